@@ -1,0 +1,1 @@
+//! The Bozzetto application: command line, editor and renderer.

@@ -1,0 +1,3 @@
+//! The `bozzetto` program.
+
+fn main() {}

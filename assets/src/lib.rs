@@ -1,0 +1,1 @@
+//! Programs that make the sample models; see `src/bin`.

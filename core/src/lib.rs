@@ -1,0 +1,1 @@
+//! Bozzetto core: wavelet surfaces of any topology.
