@@ -1,0 +1,17 @@
+//! `M^0 … M^J` without positions: base mesh, grids, nested ids, neighbourhoods, detection.
+//!
+//! Fine connectivity is never stored. Each base face owns a triangular grid; neighbours are index arithmetic, and
+//! vertices on base edges and base vertices exist once.
+
+mod base_mesh;
+pub mod detection;
+mod ids;
+mod layout;
+mod neighbourhood;
+mod tables;
+
+pub use base_mesh::{BaseMesh, EdgeSide, Fan, NotABaseMesh};
+pub use ids::{Level, Odd, PublicId, Slot};
+pub use layout::{FINEST_LEVEL, Layout, Site};
+pub use neighbourhood::{DIRECTIONS, Ring};
+pub use tables::{Hierarchy, row_slots};

@@ -1,0 +1,124 @@
+//! `M^0 … M^J` together: one layout a level, and the triangles and edges of any level for drawing and export.
+
+use super::{BaseMesh, Layout, Level, Site, Slot};
+use std::sync::Arc;
+
+/// The hierarchy of meshes over a base mesh, without positions.
+#[derive(Debug, Clone)]
+pub struct Hierarchy {
+    base: Arc<BaseMesh>,
+    layouts: Vec<Layout>,
+}
+
+impl Hierarchy {
+    /// The hierarchy with finest level `J`, or `None` if `M^J` would have 2^31 vertices or more.
+    pub fn new(base: Arc<BaseMesh>, finest: Level) -> Option<Self> {
+        let layouts = (0..=finest.0).map(|j| Layout::checked(&base, Level(j))).collect::<Option<_>>()?;
+        Some(Self { base, layouts })
+    }
+
+    /// The base mesh.
+    pub fn base(&self) -> &Arc<BaseMesh> {
+        &self.base
+    }
+
+    /// The finest level J.
+    pub fn finest(&self) -> Level {
+        Level(self.layouts.len() as u8 - 1)
+    }
+
+    /// The layout of a level up to J.
+    pub fn layout(&self, level: Level) -> &Layout {
+        &self.layouts[level.index()]
+    }
+
+    /// The number of faces of `M^j`.
+    pub fn face_count(&self, level: Level) -> u64 {
+        (self.base.faces().len() as u64) << (2 * u32::from(level.0))
+    }
+
+    /// The faces of `M^j` as slots, oriented, base face by base face, row by row. Linear in their number.
+    pub fn triangles(&self, level: Level) -> Vec<[u32; 3]> {
+        let layout = self.layout(level);
+        let n = layout.segments();
+        let mut triangles = Vec::with_capacity(self.face_count(level) as usize);
+        let mut lower = Vec::new();
+        let mut upper = Vec::new();
+        for face in 0..self.base.faces().len() as u32 {
+            row_slots(layout, face, 0, &mut lower);
+            for r in 1..=n {
+                row_slots(layout, face, r, &mut upper);
+                for i in 0..upper.len() {
+                    triangles.push([lower[i], lower[i + 1], upper[i]]);
+                    if i + 1 < upper.len() {
+                        triangles.push([lower[i + 1], upper[i + 1], upper[i]]);
+                    }
+                }
+                std::mem::swap(&mut lower, &mut upper);
+            }
+        }
+        triangles
+    }
+
+    /// The edges of `M^j` as the slots of their ends. Linear in their number.
+    pub fn edges(&self, level: Level) -> Vec<[u32; 2]> {
+        let layout = self.layout(level);
+        if level == Level::BASE {
+            return self.base.edges().to_vec();
+        }
+        let mut edges = Vec::new();
+        for e in 0..self.base.edges().len() as u32 {
+            let slot = |t| layout.slot(layout.along_edge(e, t)).0;
+            edges.extend((0..layout.segments()).map(|t| [slot(t), slot(t + 1)]));
+        }
+        let n = layout.segments();
+        let (mut lower, mut upper) = (Vec::new(), Vec::new());
+        for face in 0..self.base.faces().len() as u32 {
+            row_slots(layout, face, 0, &mut lower);
+            for r in 1..=n {
+                row_slots(layout, face, r, &mut upper);
+                // Inner edges only: along the row, and the two slanted families without the face's own border.
+                edges.extend(upper.windows(2).map(|w| [w[0], w[1]]));
+                for i in 0..upper.len() {
+                    if i > 0 {
+                        edges.push([lower[i], upper[i]]);
+                    }
+                    if i + 1 < upper.len() {
+                        edges.push([lower[i + 1], upper[i]]);
+                    }
+                }
+                std::mem::swap(&mut lower, &mut upper);
+            }
+        }
+        edges
+    }
+
+    /// The slot, at a finer level `to`, of a vertex of level `from`.
+    pub fn refine_slot(&self, from: Level, to: Level, slot: Slot) -> Slot {
+        let mut site = self.layout(from).site(slot);
+        for _ in from.0..to.0 {
+            site = Layout::refine(site);
+        }
+        self.layout(to).slot(site)
+    }
+
+    /// The sites of a level in slot order.
+    pub fn sites(&self, level: Level) -> impl Iterator<Item = Site> + '_ {
+        let layout = self.layout(level);
+        (0..layout.len()).map(|s| layout.site(Slot(s)))
+    }
+}
+
+/// The slots of row `r` of a face's whole grid, borders included: `n − r + 1` of them.
+pub fn row_slots(layout: &Layout, face: u32, r: u32, row: &mut Vec<u32>) {
+    let n = layout.segments();
+    row.clear();
+    if r == 0 || r + 1 >= n {
+        row.extend((0..=n - r).map(|i| layout.slot(layout.site_at(face, [n - r - i, i, r])).0));
+        return;
+    }
+    let first = layout.row(face, r).0;
+    row.push(layout.slot(layout.site_at(face, [n - r, 0, r])).0);
+    row.extend(first..first + (n - r - 1));
+    row.push(layout.slot(layout.site_at(face, [0, n - r, r])).0);
+}

@@ -1,0 +1,312 @@
+//! Half-edge connectivity of a triangle list.
+//!
+//! Half-edge `3f + k` runs from corner `k` of face `f` to corner `k + 1`; its twin runs the other way in the
+//! neighbouring face. Building it proves that the list is an orientable 2-manifold, with or without boundary.
+//! It does **not** prove that the list is a simplicial complex: two faces may have the same three corners.
+
+use rustc_hash::FxHashMap;
+use thiserror::Error;
+
+/// Stands for "no half-edge": the other side of a boundary edge.
+pub const NONE: u32 = u32::MAX;
+
+/// Why a triangle list is not an orientable 2-manifold. Indices are those of the list, counted from 0.
+#[derive(Debug, Error, Clone, PartialEq, Eq)]
+pub enum NotManifold {
+    /// A face names a vertex that does not exist.
+    #[error("face {face} refers to vertex {vertex}, which does not exist")]
+    MissingVertex {
+        /// The face.
+        face: u32,
+        /// The vertex it names.
+        vertex: u32,
+    },
+    /// A face has the same corner twice.
+    #[error("face {face} has vertex {vertex} twice")]
+    Degenerate {
+        /// The face.
+        face: u32,
+        /// The repeated corner.
+        vertex: u32,
+    },
+    /// More than two faces share an edge.
+    #[error("the edge between vertices {a} and {b} belongs to more than two faces")]
+    Edge {
+        /// One end.
+        a: u32,
+        /// The other end.
+        b: u32,
+    },
+    /// The faces around a vertex do not form one fan.
+    #[error("the faces around vertex {vertex} do not form one fan")]
+    Vertex {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// No choice of orientations is consistent (a Möbius band, a Klein bottle).
+    #[error(
+        "the faces at the edge between vertices {a} and {b} cannot be oriented alike: the surface is one-sided"
+    )]
+    NotOrientable {
+        /// One end.
+        a: u32,
+        /// The other end.
+        b: u32,
+    },
+}
+
+/// Neighbour relations of an oriented triangle list.
+#[derive(Debug, Clone)]
+pub struct Connectivity {
+    faces: Vec<[u32; 3]>,
+    twins: Vec<u32>,
+    outgoing: Vec<u32>,
+    component_of_face: Vec<u32>,
+    components: u32,
+}
+
+impl Connectivity {
+    /// Builds the relations, turning faces round where that makes neighbours agree; the first face of each
+    /// component keeps its orientation. Time and memory linear in the faces.
+    ///
+    /// # Errors
+    /// The first obstacle found; see [`NotManifold`].
+    pub fn build(vertex_count: u32, mut faces: Vec<[u32; 3]>) -> Result<Self, NotManifold> {
+        for (f, face) in faces.iter().enumerate() {
+            let face_index = f as u32;
+            for k in 0..3 {
+                if face[k] >= vertex_count {
+                    return Err(NotManifold::MissingVertex { face: face_index, vertex: face[k] });
+                }
+                if face[k] == face[(k + 1) % 3] {
+                    return Err(NotManifold::Degenerate { face: face_index, vertex: face[k] });
+                }
+            }
+        }
+        let pairs = edge_pairs(&faces)?;
+        let (component_of_face, components) = orient(&mut faces, &pairs)?;
+        // Turning a face renumbers its half-edges, so the pairs are found once more.
+        let twins = edge_pairs(&faces)?;
+        let outgoing = fans(vertex_count, &faces, &twins)?;
+        Ok(Self { faces, twins, outgoing, component_of_face, components })
+    }
+
+    /// The faces, consistently oriented.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// The number of connected components that have faces.
+    pub fn components(&self) -> u32 {
+        self.components
+    }
+
+    /// The component of each face, numbered by lowest face.
+    pub fn component_of_face(&self, face: u32) -> u32 {
+        self.component_of_face[face as usize]
+    }
+
+    /// The number of vertex slots, used or not.
+    pub fn vertex_count(&self) -> u32 {
+        self.outgoing.len() as u32
+    }
+
+    /// A half-edge that leaves the vertex; on the boundary the clockwise-most, whose twin is [`NONE`]. [`NONE`]
+    /// for a vertex of no face.
+    pub fn outgoing(&self, vertex: u32) -> u32 {
+        self.outgoing[vertex as usize]
+    }
+
+    /// The same edge seen from the other face, or [`NONE`].
+    pub fn twin(&self, half_edge: u32) -> u32 {
+        self.twins[half_edge as usize]
+    }
+
+    /// The vertex a half-edge leaves.
+    pub fn origin(&self, half_edge: u32) -> u32 {
+        self.faces[(half_edge / 3) as usize][(half_edge % 3) as usize]
+    }
+
+    /// The vertex a half-edge reaches.
+    pub fn target(&self, half_edge: u32) -> u32 {
+        self.origin(next(half_edge))
+    }
+
+    /// The next half-edge out of the same vertex, counter-clockwise; [`NONE`] past the last face of an open fan.
+    pub fn rotate(&self, half_edge: u32) -> u32 {
+        self.twin(previous(half_edge))
+    }
+
+    /// Whether the vertex lies on the boundary.
+    pub fn is_boundary(&self, vertex: u32) -> bool {
+        let h = self.outgoing(vertex);
+        h != NONE && self.twin(h) == NONE
+    }
+
+    /// The half-edges that leave a vertex, counter-clockwise.
+    pub fn fan(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        let first = self.outgoing(vertex);
+        let mut at = first;
+        std::iter::from_fn(move || {
+            if at == NONE {
+                return None;
+            }
+            let here = at;
+            let following = self.rotate(here);
+            at = if following == first { NONE } else { following };
+            Some(here)
+        })
+    }
+
+    /// The number of faces around a vertex.
+    pub fn face_valence(&self, vertex: u32) -> u32 {
+        self.fan(vertex).count() as u32
+    }
+
+    /// The number of boundary loops.
+    pub fn boundary_loops(&self) -> u32 {
+        let mut seen = vec![false; self.twins.len()];
+        let mut loops = 0;
+        for start in 0..self.twins.len() as u32 {
+            if self.twins[start as usize] != NONE || seen[start as usize] {
+                continue;
+            }
+            loops += 1;
+            let mut at = start;
+            while !seen[at as usize] {
+                seen[at as usize] = true;
+                at = self.outgoing(self.target(at));
+            }
+        }
+        loops
+    }
+
+    /// Vertices − edges + faces, over vertices that faces use.
+    pub fn euler_characteristic(&self) -> i64 {
+        let used = self.outgoing.iter().filter(|&&h| h != NONE).count() as i64;
+        let edges =
+            self.twins.iter().enumerate().filter(|&(h, &t)| t == NONE || (h as u32) < t).count() as i64;
+        used - edges + self.faces.len() as i64
+    }
+
+    /// The genus summed over components: `Σ (2 − χ − boundary loops) / 2`.
+    pub fn genus(&self) -> u32 {
+        let doubled =
+            2 * i64::from(self.components) - self.euler_characteristic() - i64::from(self.boundary_loops());
+        (doubled / 2).max(0) as u32
+    }
+}
+
+/// The half-edge after this one in its face.
+pub fn next(half_edge: u32) -> u32 {
+    if half_edge % 3 == 2 { half_edge - 2 } else { half_edge + 1 }
+}
+
+/// The half-edge before this one in its face.
+pub fn previous(half_edge: u32) -> u32 {
+    if half_edge % 3 == 0 { half_edge + 2 } else { half_edge - 1 }
+}
+
+/// For every half-edge the half-edge of the other face at the same undirected edge, or [`NONE`].
+fn edge_pairs(faces: &[[u32; 3]]) -> Result<Vec<u32>, NotManifold> {
+    let mut first_at: FxHashMap<(u32, u32), u32> = FxHashMap::default();
+    first_at.reserve(faces.len() * 3 / 2);
+    let mut pairs = vec![NONE; faces.len() * 3];
+    for (f, face) in faces.iter().enumerate() {
+        for k in 0..3 {
+            let (a, b) = (face[k], face[(k + 1) % 3]);
+            let key = (a.min(b), a.max(b));
+            let here = (3 * f + k) as u32;
+            match first_at.get(&key) {
+                None => {
+                    first_at.insert(key, here);
+                }
+                Some(&other) if pairs[other as usize] == NONE => {
+                    pairs[other as usize] = here;
+                    pairs[here as usize] = other;
+                }
+                Some(_) => return Err(NotManifold::Edge { a: key.0, b: key.1 }),
+            }
+        }
+    }
+    Ok(pairs)
+}
+
+/// Turns faces so that neighbours agree; returns each face's component and their number.
+fn orient(faces: &mut [[u32; 3]], pairs: &[u32]) -> Result<(Vec<u32>, u32), NotManifold> {
+    const UNSEEN: u32 = u32::MAX;
+    let original = faces.to_vec();
+    let ends = |h: u32| {
+        let face = original[(h / 3) as usize];
+        let k = (h % 3) as usize;
+        (face[k], face[(k + 1) % 3])
+    };
+    let mut component = vec![UNSEEN; faces.len()];
+    let mut flipped = vec![false; faces.len()];
+    let mut components = 0;
+    let mut stack = Vec::new();
+    for seed in 0..faces.len() as u32 {
+        if component[seed as usize] != UNSEEN {
+            continue;
+        }
+        component[seed as usize] = components;
+        stack.push(seed);
+        while let Some(face) = stack.pop() {
+            for h in 3 * face..3 * face + 3 {
+                let other = pairs[h as usize];
+                if other == NONE {
+                    continue;
+                }
+                let neighbour = other / 3;
+                let same_direction = ends(h) == ends(other);
+                let wanted = flipped[face as usize] ^ same_direction;
+                if component[neighbour as usize] == UNSEEN {
+                    component[neighbour as usize] = components;
+                    flipped[neighbour as usize] = wanted;
+                    stack.push(neighbour);
+                } else if flipped[neighbour as usize] != wanted {
+                    let (a, b) = ends(h);
+                    return Err(NotManifold::NotOrientable { a, b });
+                }
+            }
+        }
+        components += 1;
+    }
+    for (face, _) in faces.iter_mut().zip(&flipped).filter(|(_, turned)| **turned) {
+        face.swap(1, 2);
+    }
+    Ok((component, components))
+}
+
+/// One outgoing half-edge per vertex, after checking that each vertex has a single fan.
+fn fans(vertex_count: u32, faces: &[[u32; 3]], twins: &[u32]) -> Result<Vec<u32>, NotManifold> {
+    let mut outgoing = vec![NONE; vertex_count as usize];
+    let mut count = vec![0u32; vertex_count as usize];
+    for (f, face) in faces.iter().enumerate() {
+        for (k, &v) in face.iter().enumerate() {
+            let here = (3 * f + k) as u32;
+            count[v as usize] += 1;
+            if outgoing[v as usize] == NONE || twins[here as usize] == NONE {
+                outgoing[v as usize] = here;
+            }
+        }
+    }
+    for (v, &first) in outgoing.iter().enumerate() {
+        if first == NONE {
+            continue;
+        }
+        let mut reached = 0;
+        let mut at = first;
+        loop {
+            reached += 1;
+            at = twins[previous(at) as usize];
+            if at == NONE || at == first || reached > count[v] {
+                break;
+            }
+        }
+        if reached != count[v] {
+            return Err(NotManifold::Vertex { vertex: v as u32 });
+        }
+    }
+    Ok(outgoing)
+}

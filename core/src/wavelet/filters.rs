@@ -1,0 +1,252 @@
+//! The filter bank of a hierarchy: for every even vertex of every level, which wavelet coefficients update it.
+//!
+//! Regular vertices share one constant stencil, addressed by lattice arithmetic. Explicit lists exist only near
+//! extraordinary base vertices, boundaries and sharp edges, and at the few coarse levels where neighbourhoods
+//! wrap around.
+
+use super::Wavelet;
+use super::weights::{LARGEST_DISC, WeightSolver};
+use crate::hierarchy::{Hierarchy, Layout, Level, Odd, Site, Slot};
+use crate::mesh::shapes;
+use rustc_hash::{FxHashMap, FxHashSet};
+use thiserror::Error;
+
+/// The neighbourhoods of some vertices are too large for the chosen wavelet.
+#[derive(Debug, Error, Clone, PartialEq, Eq)]
+#[error(
+    "base vertex {vertex} has {valence} neighbours, too many for the {wavelet} wavelet; choose lazy or 0"
+)]
+pub struct ValenceTooHigh {
+    vertex: u32,
+    valence: usize,
+    wavelet: Wavelet,
+}
+
+/// Weights of one level for the vertices that the constant stencil does not serve.
+#[derive(Debug, Default)]
+struct ExplicitRows {
+    rows: FxHashMap<u32, (u32, u32)>,
+    taps: Vec<(Odd, i32)>,
+}
+
+/// A row of the constant stencil: coefficients at one row offset, with their offsets along it.
+#[derive(Debug)]
+struct TapRow {
+    dr: i32,
+    taps: Vec<(i32, i32)>,
+}
+
+/// All weights needed to analyse and synthesise surfaces over one hierarchy.
+#[derive(Debug)]
+pub struct Filters {
+    wavelet: Wavelet,
+    regular: Vec<TapRow>,
+    explicit: Vec<ExplicitRows>,
+}
+
+impl Filters {
+    /// Solves the weights for the levels below J. Cost: the base mesh's neighbourhoods at each level, not their
+    /// interiors.
+    ///
+    /// # Errors
+    /// A base vertex has so many neighbours that its weights would take minutes.
+    pub fn new(hierarchy: &Hierarchy, wavelet: Wavelet) -> Result<Self, ValenceTooHigh> {
+        if let Wavelet::Disc(k) = wavelet
+            && k > 0
+        {
+            refuse_high_valence(hierarchy, wavelet)?;
+        }
+        let mut solver = WeightSolver::default();
+        let regular = regular_taps(&mut solver, wavelet);
+        let explicit = (0..hierarchy.finest().0)
+            .map(|j| explicit_rows(&mut solver, hierarchy.layout(Level(j)), wavelet))
+            .collect();
+        Ok(Self { wavelet, regular, explicit })
+    }
+
+    /// The wavelet these weights belong to.
+    pub fn wavelet(&self) -> Wavelet {
+        self.wavelet
+    }
+
+    /// `Σ_i w_iv d_i` for an even vertex `v` of level j: exact, in any order. Cost: the stencil, 72 taps for the
+    /// 2-disc wavelet at a regular vertex.
+    pub fn gather<const N: usize>(&self, layout: &Layout, site: Site, d: &[[i32; N]]) -> [i64; N] {
+        let mut sum = [0i64; N];
+        self.for_each_tap(layout, site, |odd, weight| {
+            for (sum, &d) in sum.iter_mut().zip(&d[odd.index()]) {
+                *sum += i64::from(weight) * i64::from(d);
+            }
+        });
+        sum
+    }
+
+    /// Calls back for every coefficient of level j that updates the even vertex, with its weight.
+    pub fn for_each_tap(&self, layout: &Layout, site: Site, mut tap: impl FnMut(Odd, i32)) {
+        if self.wavelet == Wavelet::Lazy {
+            return;
+        }
+        let rows = &self.explicit[layout.level().index()];
+        if !is_regular(layout, site, self.wavelet) {
+            let &(from, to) =
+                rows.rows.get(&layout.slot(site).0).expect("irregular vertices have explicit rows");
+            for &(odd, weight) in &rows.taps[from as usize..to as usize] {
+                tap(odd, weight);
+            }
+            return;
+        }
+        let (face, b) = layout.chart(site);
+        let doubled = b.map(|x| 2 * x as i32);
+        let reach = self.wavelet.reach();
+        if doubled.iter().all(|&x| x > reach) {
+            let start = layout.odd_face_start(face);
+            for row in &self.regular {
+                let r = doubled[2] + row.dr;
+                let row_start = start + layout.odd_row_start(r as u32);
+                // Odd rows hold every vertex, even rows every second.
+                let shift = u32::from(r % 2 == 0);
+                for &(di, weight) in &row.taps {
+                    tap(Odd(row_start + ((doubled[1] + di - 1) as u32 >> shift)), weight);
+                }
+            }
+            return;
+        }
+        for row in &self.regular {
+            for &(di, weight) in &row.taps {
+                let at = [doubled[0] - di - row.dr, doubled[1] + di, doubled[2] + row.dr];
+                let odd =
+                    layout.resolve_odd(face, at).expect("a regular vertex's stencil stays on the surface");
+                tap(odd, weight);
+            }
+        }
+    }
+}
+
+/// Whether the constant stencil serves an even vertex: no extraordinary vertex, boundary or sharp edge within
+/// `2k + 2` edges, and a level fine enough that neighbourhoods do not wrap around.
+fn is_regular(layout: &Layout, site: Site, wavelet: Wavelet) -> bool {
+    let Wavelet::Disc(k) = wavelet else { return true };
+    if layout.level().0 < 2 + k {
+        return false;
+    }
+    let margin = 2 * u32::from(k) + 2;
+    let base = layout.base();
+    let n = layout.segments();
+    let plain = |edge: u32| !base.is_boundary_edge(edge) && !base.is_sharp(edge);
+    match site {
+        Site::Base(v) => base.is_regular(v),
+        Site::Edge { edge, t } => {
+            let ends = base.edges()[edge as usize];
+            plain(edge)
+                && (t > margin || base.is_regular(ends[0]))
+                && (n - t > margin || base.is_regular(ends[1]))
+        }
+        Site::Face { face, i, r } => {
+            let b = [n - i - r, i, r];
+            let corners = base.faces()[face as usize];
+            let edges = base.face_edges(face);
+            (0..3).all(|c| {
+                let near_corner = n - b[c] <= margin;
+                let near_edge = b[c] <= margin;
+                (!near_corner || base.is_regular(corners[c])) && (!near_edge || plain(edges[(c + 1) % 3]))
+            })
+        }
+    }
+}
+
+/// The irregular even vertices of a level, enumerated without looking at the regular ones beyond their rows' ends.
+fn irregular_sites(layout: &Layout, wavelet: Wavelet) -> Vec<Site> {
+    let Wavelet::Disc(k) = wavelet else { return Vec::new() };
+    let margin = 2 * u32::from(k) + 2;
+    let n = layout.segments();
+    let base = layout.base();
+    let mut sites: Vec<Site> = (0..base.vertex_count()).map(Site::Base).collect();
+    for edge in 0..base.edges().len() as u32 {
+        sites.extend((1..n).map(|t| Site::Edge { edge, t }));
+    }
+    for face in 0..base.faces().len() as u32 {
+        for r in 1..n.saturating_sub(1) {
+            let last = n - r - 1;
+            let near_border_row = r <= margin || n - r <= margin;
+            if near_border_row || last <= 2 * margin {
+                sites.extend((1..=last).map(|i| Site::Face { face, i, r }));
+            } else {
+                sites.extend((1..=margin).chain(last - margin + 1..=last).map(|i| Site::Face { face, i, r }));
+            }
+        }
+    }
+    sites.retain(|&site| !is_regular(layout, site, wavelet));
+    sites
+}
+
+fn explicit_rows(solver: &mut WeightSolver, layout: &Layout, wavelet: Wavelet) -> ExplicitRows {
+    let Wavelet::Disc(k) = wavelet else { return ExplicitRows::default() };
+    let sites = irregular_sites(layout, wavelet);
+    let wanted: FxHashSet<Slot> = sites.iter().map(|&s| layout.slot(s)).collect();
+
+    // Every odd vertex whose disc can reach a wanted vertex: edges with an end within k edges of one.
+    let mut odds: FxHashMap<Odd, Site> = FxHashMap::default();
+    for end in layout.disc(&sites, k) {
+        for neighbour in layout.ring(end).around {
+            let site = layout.midpoint(end, neighbour);
+            odds.insert(layout.odd_at(site), site);
+        }
+    }
+    let mut triples: Vec<(Slot, Odd, i32)> = Vec::new();
+    for (&odd, &site) in &odds {
+        let stencil = solver.stencil(layout, site, wavelet);
+        for (&v, &weight) in stencil.vertices.iter().zip(&stencil.weights) {
+            let slot = layout.slot(v);
+            if wanted.contains(&slot) {
+                triples.push((slot, odd, weight));
+            }
+        }
+    }
+    triples.sort_unstable();
+    let mut rows: FxHashMap<u32, (u32, u32)> = wanted.iter().map(|slot| (slot.0, (0, 0))).collect();
+    for (at, &(slot, ..)) in triples.iter().enumerate() {
+        let row = rows.get_mut(&slot.0).expect("every row is wanted");
+        if row.1 == 0 {
+            row.0 = at as u32;
+        }
+        row.1 = at as u32 + 1;
+    }
+    ExplicitRows { rows, taps: triples.into_iter().map(|(_, odd, weight)| (odd, weight)).collect() }
+}
+
+/// The constant stencil, read off the middle of one finely divided triangle.
+fn regular_taps(solver: &mut WeightSolver, wavelet: Wavelet) -> Vec<TapRow> {
+    if wavelet == Wavelet::Lazy {
+        return Vec::new();
+    }
+    let triangle = shapes::triangle();
+    let base = crate::hierarchy::BaseMesh::new(3, triangle.faces, &[]).expect("a triangle is a base mesh");
+    let layout = Layout::checked(&std::sync::Arc::new(base), Level(6)).expect("a small level");
+    let mut rows: std::collections::BTreeMap<i32, Vec<(i32, i32)>> = Default::default();
+    // One odd vertex of each direction near the middle: coordinates with sum 2n = 128, one of them even.
+    for at in [[42, 43, 43], [43, 42, 43], [43, 43, 42]] {
+        let site = Site::Face { face: 0, i: at[1] as u32, r: at[2] as u32 };
+        let stencil = solver.stencil(&layout, site, wavelet);
+        for (&v, &weight) in stencil.vertices.iter().zip(&stencil.weights) {
+            let Site::Face { i, r, .. } = v else { unreachable!("the middle of the triangle") };
+            rows.entry(at[2] - 2 * r as i32).or_default().push((at[1] - 2 * i as i32, weight));
+        }
+    }
+    rows.into_iter()
+        .map(|(dr, mut taps)| {
+            taps.sort_unstable();
+            TapRow { dr, taps }
+        })
+        .collect()
+}
+
+fn refuse_high_valence(hierarchy: &Hierarchy, wavelet: Wavelet) -> Result<(), ValenceTooHigh> {
+    let base = hierarchy.base();
+    for vertex in 0..base.vertex_count() {
+        let valence = base.fan(vertex).corners.len();
+        if valence > LARGEST_DISC / 4 {
+            return Err(ValenceTooHigh { vertex, valence, wavelet });
+        }
+    }
+    Ok(())
+}
