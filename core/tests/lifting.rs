@@ -98,7 +98,8 @@ fn golden_regular_stencils() {
     );
 }
 
-/// L2 distance of white noise from its coarse part, over that from the nearest coarse function.
+/// L2 distance of white noise from its coarse part, over that from the nearest coarse function: root mean square of
+/// twelve draws, for a single draw on a small base strays by a few parts in a thousand.
 #[test]
 fn coarse_parts_are_near_least_squares() {
     for (name, mesh) in [
@@ -107,43 +108,55 @@ fn coarse_parts_are_near_least_squares() {
         ("torus", shapes::torus(4, 3)),
         ("disc", shapes::disc(6)),
     ] {
-        let meshes = hierarchy(&mesh, &[], 3);
-        let level = Level(2);
-        let (coarse, fine) = (meshes.layout(level), meshes.layout(level.finer()));
-        let finer = noise(fine.len(), 1 << 24, 11);
-        let target: Vec<f64> = finer.iter().map(|c| f64::from(c[0])).collect();
-        let best = least_squares(&meshes, level, &target);
-        let error = |coarser: &[f64]| {
-            let difference: Vec<f64> = (0..fine.len())
-                .map(|s| {
-                    let site = fine.site(Slot(s));
-                    let value = match Layout::coarsen(site) {
-                        Some(even) => coarser[coarse.slot(even).index()],
-                        None => {
-                            let [u, w] = coarse.parents(site).map(|p| coarser[coarse.slot(p).index()]);
-                            (u + w) / 2.0
-                        }
-                    };
-                    value - target[s as usize]
-                })
-                .collect();
-            inner_product(&meshes, level.finer(), &difference, &difference).sqrt()
-        };
+        let meshes = hierarchy(&mesh, &[], 4);
+        let level = Level(3);
+        let fine = meshes.layout(level.finer());
+        let draws: Vec<Vec<[i32; 3]>> = (11..15).map(|seed| noise(fine.len(), 1 << 24, seed)).collect();
+        let mut best = 0.0;
+        let mut of_wavelet = [0.0; 4];
+        for finer in &draws {
+            let parts = Wavelet::ALL.map(|wavelet| {
+                let filters = Filters::new(&meshes, wavelet).expect("small valences");
+                analyse_level(&meshes, &filters, level, finer).1
+            });
+            for channel in 0..3 {
+                let target: Vec<f64> = finer.iter().map(|c| f64::from(c[channel])).collect();
+                best += squared_distance(&meshes, level, &least_squares(&meshes, level, &target), &target);
+                for (sum, part) in of_wavelet.iter_mut().zip(&parts) {
+                    let part: Vec<f64> = part.iter().map(|c| f64::from(c[channel])).collect();
+                    *sum += squared_distance(&meshes, level, &part, &target);
+                }
+            }
+        }
         for (wavelet, low, high) in [
-            (Wavelet::Lazy, 1.2, 2.0),
-            (Wavelet::Disc(0), 1.01, 1.11),
+            (Wavelet::Lazy, 1.35, 2.0),
+            (Wavelet::Disc(0), 1.03, 1.11),
             (Wavelet::Disc(1), 1.0, 1.007),
-            // 1.0003 to the four decimals it is stated with; the regular torus measures 1.00033.
-            (Wavelet::Disc(2), 1.0, 1.00035),
+            (Wavelet::Disc(2), 1.0, 1.0003),
         ] {
-            let filters = Filters::new(&meshes, wavelet).expect("small valences");
-            let (_, coarser) = analyse_level(&meshes, &filters, level, &finer);
-            let coarser: Vec<f64> = coarser.iter().map(|c| f64::from(c[0])).collect();
-            let ratio = error(&coarser) / error(&best);
+            let ratio = (of_wavelet[usize::from(wavelet.code())] / best).sqrt();
             println!("{name}, {wavelet}: {ratio:.5}");
             assert!((low..=high).contains(&ratio), "{name}, {wavelet}: {ratio}");
         }
     }
+}
+
+/// Squared L2 distance between a function of `V^j` and one of `V^{j+1}`.
+fn squared_distance(meshes: &Hierarchy, level: Level, coarser: &[f64], target: &[f64]) -> f64 {
+    let (coarse, fine) = (meshes.layout(level), meshes.layout(level.finer()));
+    let difference: Vec<f64> = (0..fine.len())
+        .map(|s| {
+            let site = fine.site(Slot(s));
+            let value = match Layout::coarsen(site) {
+                Some(even) => coarser[coarse.slot(even).index()],
+                None => {
+                    coarse.parents(site).map(|p| coarser[coarse.slot(p).index()]).iter().sum::<f64>() / 2.0
+                }
+            };
+            value - target[s as usize]
+        })
+        .collect();
+    inner_product(meshes, level.finer(), &difference, &difference)
 }
 
 /// `⟨f, g⟩` of two functions of `V^j`, every face with the same area.

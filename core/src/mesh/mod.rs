@@ -1,8 +1,14 @@
 //! Triangle meshes as files hold them: connectivity, shapes, distance.
 
+mod bounding_volumes;
 pub mod connectivity;
+mod distance;
+mod sampling;
 pub mod shapes;
+mod triangle_distance;
 mod triangle_mesh;
 
+pub use bounding_volumes::{BoundingVolumes, ClosestPoint, ClosestPointCursor};
 pub use connectivity::{Connectivity, NotManifold};
-pub use triangle_mesh::TriangleMesh;
+pub use distance::{CompareError, CompareOptions, Comparison, OneWay, compare};
+pub use triangle_mesh::{Bounds, FaceIndex, TriangleMesh};

@@ -1,0 +1,329 @@
+//! The one door through which a surface changes: edits, strokes, undo, the journal, saving.
+//!
+//! Command line and editor use the same session; what one can do, the other can. Guarantees: a committed edit is
+//! handed to the journal before the call returns and is on disk within milliseconds; a refused edit changes
+//! nothing; a replay of the log gives the same bits. Not guaranteed: that a failing disk is noticed before
+//! [`Session::journal_failure`] is asked.
+
+mod open;
+mod replay;
+mod stroke;
+
+pub use open::{LogUse, OpenOptions, Opened, open_model};
+pub use replay::{ReplayError, ReplayReason, effective};
+
+use crate::disk::Vfs;
+use crate::edit::{Edit, EditError, Entry};
+use crate::file::{FileError, Journal, Metadata, Model, NumberedLine, decode, encode, lock, log_path};
+use crate::surface::{Changes, Surface, SurfaceHash};
+use replay::Record;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use stroke::Stroke;
+use thiserror::Error;
+
+/// Every how many edits a log line carries the surface hash.
+pub const HASH_EVERY: u64 = 32;
+
+/// Why a session cannot do something.
+#[derive(Debug, Error)]
+pub enum SessionError {
+    /// The edit is refused.
+    #[error("{0}")]
+    Edit(#[from] EditError),
+    /// A file cannot be read or written.
+    #[error("{0}")]
+    File(#[from] FileError),
+    /// A log or script cannot be replayed.
+    #[error("{}, {error}; correct or remove that line", path.display())]
+    Replay {
+        /// The log or script.
+        path: PathBuf,
+        /// Where and why.
+        error: ReplayError,
+    },
+    /// A partial file cannot be edited.
+    #[error("{} is incomplete, and only a complete wavelet file can be edited; get the rest of the file", path.display())]
+    Partial {
+        /// The wavelet file.
+        path: PathBuf,
+    },
+    /// There is no file to save to yet.
+    #[error("this surface has no file yet; choose where to save it")]
+    NoFile,
+}
+
+/// An open surface with its history.
+#[derive(Debug)]
+pub struct Session {
+    vfs: Shared,
+    model: Model,
+    /// The wavelet file's bytes for a surface that has no file yet.
+    unsaved: Option<Arc<Vec<u8>>>,
+    path: Option<PathBuf>,
+    original: SurfaceHash,
+    record: Record,
+    log: Vec<(Entry, Option<SurfaceHash>)>,
+    saved_at: usize,
+    edits: u64,
+    journal: Option<Journal>,
+    stroke: Option<Stroke>,
+}
+
+/// A file system, shared; only there so that sessions can be debugged.
+#[derive(Clone)]
+struct Shared(Arc<dyn Vfs>);
+
+impl std::fmt::Debug for Shared {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Vfs")
+    }
+}
+
+impl Session {
+    /// A session on a model that has no file yet.
+    pub fn new(vfs: Arc<dyn Vfs>, model: Model) -> Self {
+        let original = model.surface.hash();
+        let unsaved = Some(Arc::new(encode(&model)));
+        Self {
+            vfs: Shared(vfs),
+            model,
+            unsaved,
+            path: None,
+            original,
+            record: Record::new(),
+            log: Vec::new(),
+            saved_at: 0,
+            edits: 0,
+            journal: None,
+            stroke: None,
+        }
+    }
+
+    /// The surface. Only the session changes it.
+    pub fn surface(&self) -> &Surface {
+        &self.model.surface
+    }
+
+    /// The surface with what the file says beside it.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Where the surface came from.
+    pub fn metadata(&self) -> &Metadata {
+        &self.model.metadata
+    }
+
+    /// The wavelet file, if there is one.
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
+    /// The surface hash.
+    pub fn hash(&self) -> SurfaceHash {
+        self.model.surface.hash()
+    }
+
+    /// Makes an edit: one line, one undo step. Ends a stroke under way first.
+    ///
+    /// # Errors
+    /// The edit is refused; nothing has changed.
+    pub fn edit(&mut self, edit: Edit) -> Result<Changes, SessionError> {
+        self.end_stroke();
+        let changes = replay::perform(&mut self.model.surface, &mut self.record, edit)?;
+        self.committed_edit(edit);
+        Ok(changes)
+    }
+
+    /// Undoes the last step, if there is one. Ends a stroke under way first.
+    pub fn undo(&mut self) -> Option<Changes> {
+        self.end_stroke();
+        let changes = self.record.undo(&mut self.model.surface)?;
+        self.commit(Entry::Undo(1), None);
+        Some(changes)
+    }
+
+    /// Redoes the last undone step, if there is one. Ends a stroke under way first.
+    pub fn redo(&mut self) -> Option<Changes> {
+        self.end_stroke();
+        let changes = self.record.redo(&mut self.model.surface)?;
+        self.commit(Entry::Redo(1), None);
+        Some(changes)
+    }
+
+    /// Undoes or redoes until so many steps are in effect.
+    pub fn go_to(&mut self, steps: usize) -> Option<Changes> {
+        let mut joined: Option<Changes> = None;
+        while self.record.head() != steps {
+            let changes = if self.record.head() > steps { self.undo() } else { self.redo() };
+            let Some(changes) = changes else { break };
+            match &mut joined {
+                Some(all) => all.join(changes),
+                None => joined = Some(changes),
+            }
+        }
+        joined
+    }
+
+    /// Plays the lines of a script as if they were made here: each is logged and can be undone.
+    ///
+    /// # Errors
+    /// The first line that cannot be replayed; everything before it stands.
+    pub fn play(
+        &mut self,
+        lines: &[NumberedLine],
+        progress: &dyn Fn(f32) -> bool,
+    ) -> Result<u64, ReplayError> {
+        self.end_stroke();
+        let mut edits = 0;
+        for (at, NumberedLine { number, line }) in lines.iter().enumerate() {
+            let stop = |reason| ReplayError { line: *number, reason };
+            if !progress(at as f32 / lines.len() as f32) {
+                return Err(stop(ReplayReason::Cancelled));
+            }
+            replay::replay_entry(&mut self.model.surface, &mut self.record, &line.entry).map_err(stop)?;
+            match line.entry {
+                Entry::Edit(edit) => {
+                    edits += 1;
+                    self.committed_edit(edit);
+                }
+                Entry::Undo(_) | Entry::Redo(_) => self.commit(line.entry.clone(), None),
+                Entry::Save | Entry::Discard | Entry::Binding { .. } => {}
+            }
+            if let Some(stated) = line.hash
+                && stated != self.hash()
+            {
+                return Err(stop(ReplayReason::Hash { stated, found: self.hash() }));
+            }
+        }
+        Ok(edits)
+    }
+
+    /// The steps made so far, oldest first, undone ones included.
+    pub fn history(&self) -> impl Iterator<Item = &Edit> {
+        self.record.entries().map(|entry| entry.as_ref().edit())
+    }
+
+    /// How many steps of the history are in effect.
+    pub fn steps(&self) -> usize {
+        self.record.head()
+    }
+
+    /// How many steps there are, undone ones included.
+    pub fn history_len(&self) -> usize {
+        self.record.len()
+    }
+
+    /// Whether something happened since the last save mark.
+    pub fn is_unsaved(&self) -> bool {
+        self.path.is_none() || self.log.len() > self.saved_at || self.in_stroke()
+    }
+
+    /// Why edits no longer reach the disk, if they do not.
+    pub fn journal_failure(&self) -> Option<String> {
+        self.journal.as_ref().and_then(Journal::failure)
+    }
+
+    /// Adds a save mark to the log. Everything committed is on disk already.
+    ///
+    /// # Errors
+    /// The surface has no file yet.
+    pub fn save(&mut self) -> Result<(), SessionError> {
+        if self.path.is_none() {
+            return Err(SessionError::NoFile);
+        }
+        self.end_stroke();
+        let hash = self.hash();
+        self.commit(Entry::Save, Some(hash));
+        self.saved_at = self.log.len();
+        Ok(())
+    }
+
+    /// Saves wavelet file and log under another name and goes on there.
+    ///
+    /// # Errors
+    /// The files cannot be written or are open elsewhere; the session then stays where it was.
+    pub fn save_as(&mut self, path: &Path) -> Result<(), SessionError> {
+        self.end_stroke();
+        let path = with_extension(path);
+        if self.path.as_deref() == Some(path.as_path()) {
+            return self.save();
+        }
+        let bytes = match (&self.unsaved, &self.path) {
+            (Some(bytes), _) => bytes.clone(),
+            (None, Some(old)) => Arc::new(self.vfs.0.read(old).map_err(|cause| io_error(old, cause))?),
+            (None, None) => return Err(SessionError::NoFile),
+        };
+        let lock = lock(&*self.vfs.0, &path)?;
+        // A log of the file that is being replaced must not be taken for this one's, whatever happens in between.
+        let journal = Journal::open(&*self.vfs.0, &path, self.original, 0, lock)?;
+        self.vfs.0.replace(&path, &bytes).map_err(|cause| io_error(&path, cause))?;
+        for (entry, hash) in &self.log {
+            journal.commit(entry, *hash);
+        }
+        self.journal = Some(journal);
+        self.path = Some(path);
+        self.unsaved = None;
+        self.save()
+    }
+
+    /// Writes one baked file: the surface as it is now, without history.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn save_copy(&self, path: &Path) -> Result<(), SessionError> {
+        let mut model = self.model.clone();
+        model.stated_hash = model.surface.hash();
+        self.vfs.0.replace(path, &encode(&model)).map_err(|cause| io_error(path, cause))?;
+        Ok(())
+    }
+
+    /// Takes back everything since the last save mark, for good, and closes. The log keeps it all.
+    pub fn discard(mut self) {
+        self.cancel_stroke();
+        if self.log.len() > self.saved_at {
+            self.commit(Entry::Discard, None);
+        }
+    }
+
+    /// Waits until the log is on disk and closes.
+    ///
+    /// # Errors
+    /// Why the log is not on disk.
+    pub fn close(mut self) -> Result<(), String> {
+        self.end_stroke();
+        match self.journal.take().and_then(Journal::finish) {
+            Some(failure) => Err(failure),
+            None => Ok(()),
+        }
+    }
+
+    fn committed_edit(&mut self, edit: Edit) {
+        self.edits += 1;
+        let hash = self.edits.is_multiple_of(HASH_EVERY).then(|| self.hash());
+        self.commit(Entry::Edit(edit), hash);
+    }
+
+    fn commit(&mut self, entry: Entry, hash: Option<SurfaceHash>) {
+        if let Some(journal) = &self.journal {
+            journal.commit(&entry, hash);
+        }
+        self.log.push((entry, hash));
+    }
+}
+
+fn io_error(path: &Path, cause: std::io::Error) -> FileError {
+    FileError::Io { path: path.to_owned(), cause }
+}
+
+/// The path with the extension `.boz`, added where it is missing.
+fn with_extension(path: &Path) -> PathBuf {
+    if path.extension().is_some_and(|e| e == "boz") {
+        path.to_owned()
+    } else {
+        let mut name = path.as_os_str().to_owned();
+        name.push(".boz");
+        PathBuf::from(name)
+    }
+}

@@ -1,0 +1,171 @@
+//! Opening: wavelet file + log.
+
+use super::replay::{Record, effective, replay};
+use super::{FileError, Journal, Model, Session, SessionError, Shared, decode, io_error, lock, log_path};
+use crate::disk::Vfs;
+use crate::file::{Log, NumberedLine, read_log};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// How much of the log counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LogUse {
+    /// All of it.
+    #[default]
+    Whole,
+    /// Up to the last save mark.
+    Saved,
+    /// None.
+    Ignored,
+}
+
+/// How to open.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct OpenOptions {
+    /// How much of the log counts.
+    pub log: LogUse,
+    /// Take a log that names another file.
+    pub rebind: bool,
+}
+
+/// A session with what its user should know about the files.
+#[derive(Debug)]
+pub struct Opened {
+    /// The session.
+    pub session: Session,
+    /// One sentence each.
+    pub notes: Vec<String>,
+}
+
+/// What opening reads, before anything is replayed.
+struct Parts {
+    model: Model,
+    lines: Vec<NumberedLine>,
+    log: Log,
+    notes: Vec<String>,
+}
+
+fn read_parts(vfs: &dyn Vfs, path: &Path, options: OpenOptions) -> Result<Parts, SessionError> {
+    let bytes = vfs.read(path).map_err(|cause| io_error(path, cause))?;
+    let model = decode(&bytes, path)?;
+    let mut notes = Vec::new();
+    let logs = log_path(path);
+    let log = if options.log != LogUse::Ignored && vfs.exists(&logs) {
+        read_log(&vfs.read(&logs).map_err(|cause| io_error(&logs, cause))?, true)
+    } else {
+        Log::default()
+    };
+    if let Some(of) = log.of.as_ref().filter(|of| **of != model.stated_hash.to_string() && !options.rebind) {
+        let expected = model.stated_hash.to_string();
+        return Err(FileError::ForeignLog { path: logs, of: of.clone(), expected }.into());
+    }
+    if log.torn {
+        notes.push(format!("{}: the last line was cut short and is left out", logs.display()));
+    }
+    let lines = effective(&log.lines, options.log == LogUse::Saved);
+    Ok(Parts { model, lines, log, notes })
+}
+
+/// Reads a wavelet file and replays its log, without a lock and without writing anything. A partial file is taken
+/// with a note, unless it has a log.
+///
+/// # Errors
+/// Files that cannot be read or do not fit together, or a log that is damaged or cannot be replayed.
+pub fn open_model(
+    vfs: &dyn Vfs,
+    path: &Path,
+    options: OpenOptions,
+) -> Result<(Model, Vec<String>), SessionError> {
+    let Parts { mut model, lines, log, mut notes } = read_parts(vfs, path, options)?;
+    if !model.complete {
+        if !lines.is_empty() {
+            return Err(SessionError::Partial { path: path.to_owned() });
+        }
+        notes.push(format!("{} is incomplete: missing detail is left out", path.display()));
+    }
+    if let Some((line, what)) = log.damage {
+        return Err(damaged(&log_path(path), line, what).into());
+    }
+    replay(&mut model.surface, &mut Record::new(), &lines, &|_| true)
+        .map_err(|error| SessionError::Replay { path: log_path(path), error })?;
+    Ok((model, notes))
+}
+
+fn damaged(path: &Path, line: usize, what: String) -> FileError {
+    let mend = "restore the log from a copy, or open without it (--base)";
+    FileError::Content { path: path.to_owned(), place: format!("line {line}"), what, mend }
+}
+
+impl Session {
+    /// Opens a wavelet file with its log for editing, and takes its lock. A damaged log is kept as a copy beside it;
+    /// the session goes on from the good part. `progress` gets the share done and returns whether to go on.
+    ///
+    /// # Errors
+    /// Files that cannot be read, do not fit together, or are open elsewhere.
+    pub fn open(
+        vfs: Arc<dyn Vfs>,
+        path: &Path,
+        options: OpenOptions,
+        progress: &dyn Fn(f32) -> bool,
+    ) -> Result<Opened, SessionError> {
+        let lock = lock(&*vfs, path)?;
+        let Parts { mut model, lines, log, mut notes } = read_parts(&*vfs, path, options)?;
+        if !model.complete {
+            return Err(SessionError::Partial { path: path.to_owned() });
+        }
+        let logs = log_path(path);
+        let original = model.stated_hash;
+        let mut record = Record::new();
+        let edits = replay(&mut model.surface, &mut record, &lines, progress)
+            .map_err(|error| SessionError::Replay { path: logs.clone(), error })?;
+        let mut keep = log.good_bytes;
+        if let Some((line, what)) = &log.damage {
+            let copy = free_name(&*vfs, &logs);
+            let bytes = vfs.read(&logs).map_err(|cause| io_error(&logs, cause))?;
+            vfs.replace(&copy, &bytes).map_err(|cause| io_error(&copy, cause))?;
+            let (logs, copy) = (logs.display(), copy.display());
+            notes.push(format!(
+                "{logs}, line {line}: {what}; the edits before it are kept, all of it is in {copy}"
+            ));
+        }
+        if options.log != LogUse::Whole && vfs.exists(&logs) {
+            // What is left out stays in a copy; the log itself goes on from what was taken.
+            let copy = free_name(&*vfs, &logs);
+            let bytes = vfs.read(&logs).map_err(|cause| io_error(&logs, cause))?;
+            vfs.replace(&copy, &bytes).map_err(|cause| io_error(&copy, cause))?;
+            notes.push(format!("the whole log is kept in {}", copy.display()));
+            keep = 0;
+        }
+        let journal = Journal::open(&*vfs, path, original, keep, lock)?;
+        let entries: Vec<_> = lines.into_iter().map(|l| (l.line.entry, l.line.hash)).collect();
+        if keep == 0 {
+            entries.iter().for_each(|(entry, hash)| journal.commit(entry, *hash));
+        }
+        let saved_at =
+            entries.iter().rposition(|(e, _)| matches!(e, crate::edit::Entry::Save)).map_or(0, |at| at + 1);
+        let session = Session {
+            vfs: Shared(vfs),
+            model,
+            unsaved: None,
+            path: Some(path.to_owned()),
+            original,
+            record,
+            log: entries,
+            saved_at,
+            edits,
+            journal: Some(journal),
+            stroke: None,
+        };
+        Ok(Opened { session, notes })
+    }
+}
+
+/// A name beside a log that is not taken: `name.edits.kept`, `name.edits.kept-2`, ….
+fn free_name(vfs: &dyn Vfs, logs: &Path) -> PathBuf {
+    (1..)
+        .map(|n| {
+            logs.with_extension(if n == 1 { "edits.kept".to_owned() } else { format!("edits.kept-{n}") })
+        })
+        .find(|path| !vfs.exists(path))
+        .expect("some number is free")
+}
