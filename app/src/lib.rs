@@ -1,1 +1,6 @@
 //! The Bozzetto application: command line, editor and renderer.
+
+pub mod cli;
+pub mod display;
+pub mod editor;
+pub mod render;

@@ -1,3 +1,7 @@
 //! The `bozzetto` program.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    bozzetto::cli::main()
+}

@@ -265,7 +265,8 @@ impl Layout {
             Site::Face { face, i, r } => {
                 let b = [2 * self.n - i - r, i, r];
                 // Two of the three coordinates are odd; the edge runs between them.
-                let even = (0..3).find(|&k| b[k] % 2 == 0).expect("the coordinates have an even sum");
+                let even =
+                    (0..3).find(|&k| b[k].is_multiple_of(2)).expect("the coordinates have an even sum");
                 let (p, q) = ((even + 1) % 3, (even + 2) % 3);
                 [(p, q), (q, p)].map(|(up, down)| {
                     let mut at = b;

@@ -93,6 +93,35 @@ impl Hierarchy {
         edges
     }
 
+    /// The edges of `M^j` as they run over `M^shown`: pairs of neighbouring slots of level `shown ≥ level`. Linear in
+    /// their number, `2^(shown − level)` for each edge.
+    pub fn edges_shown_on(&self, level: Level, shown: Level) -> Vec<[u32; 2]> {
+        let layout = self.layout(shown);
+        let n = layout.segments();
+        let step = 1 << (shown.0 - level.0);
+        let mut segments = Vec::new();
+        for e in 0..self.base.edges().len() as u32 {
+            let slot = |t| layout.slot(layout.along_edge(e, t)).0;
+            segments.extend((0..n).map(|t| [slot(t), slot(t + 1)]));
+        }
+        for face in 0..self.base.faces().len() as u32 {
+            for c in 0..3 {
+                // Lines parallel to the edge opposite corner c, the edge itself left out.
+                for across in (step..n).step_by(step as usize) {
+                    let slot = |along: u32| {
+                        let mut b = [0; 3];
+                        b[c] = across;
+                        b[(c + 1) % 3] = along;
+                        b[(c + 2) % 3] = n - across - along;
+                        layout.slot(layout.site_at(face, b)).0
+                    };
+                    segments.extend((0..n - across).map(|along| [slot(along), slot(along + 1)]));
+                }
+            }
+        }
+        segments
+    }
+
     /// The slot, at a finer level `to`, of a vertex of level `from`.
     pub fn refine_slot(&self, from: Level, to: Level, slot: Slot) -> Slot {
         let mut site = self.layout(from).site(slot);

@@ -204,7 +204,7 @@ pub fn next(half_edge: u32) -> u32 {
 
 /// The half-edge before this one in its face.
 pub fn previous(half_edge: u32) -> u32 {
-    if half_edge % 3 == 0 { half_edge + 2 } else { half_edge - 1 }
+    if half_edge.is_multiple_of(3) { half_edge + 2 } else { half_edge - 1 }
 }
 
 /// For every half-edge the half-edge of the other face at the same undirected edge, or [`NONE`].

@@ -125,6 +125,11 @@ impl Session {
         self.model.surface.hash()
     }
 
+    /// The hash of the wavelet file without its log, to which logs are bound.
+    pub fn original_hash(&self) -> SurfaceHash {
+        self.original
+    }
+
     /// Makes an edit: one line, one undo step. Ends a stroke under way first.
     ///
     /// # Errors

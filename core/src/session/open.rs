@@ -3,6 +3,7 @@
 use super::replay::{Record, effective, replay};
 use super::{FileError, Journal, Model, Session, SessionError, Shared, decode, io_error, lock, log_path};
 use crate::disk::Vfs;
+use crate::edit::Entry;
 use crate::file::{Log, NumberedLine, read_log};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -109,20 +110,12 @@ impl Session {
         progress: &dyn Fn(f32) -> bool,
     ) -> Result<Opened, SessionError> {
         let lock = lock(&*vfs, path)?;
-        let Parts { mut model, lines, log, mut notes } = read_parts(&*vfs, path, options)?;
-        if !model.complete {
-            return Err(SessionError::Partial { path: path.to_owned() });
-        }
+        let Parts { model, lines, log, mut notes } = read_parts(&*vfs, path, options)?;
+        let mut session = Self::replayed(vfs.clone(), path, model, lines, progress)?;
         let logs = log_path(path);
-        let original = model.stated_hash;
-        let mut record = Record::new();
-        let edits = replay(&mut model.surface, &mut record, &lines, progress)
-            .map_err(|error| SessionError::Replay { path: logs.clone(), error })?;
         let mut keep = log.good_bytes;
         if let Some((line, what)) = &log.damage {
-            let copy = free_name(&*vfs, &logs);
-            let bytes = vfs.read(&logs).map_err(|cause| io_error(&logs, cause))?;
-            vfs.replace(&copy, &bytes).map_err(|cause| io_error(&copy, cause))?;
+            let copy = keep_copy(&*vfs, &logs)?;
             let (logs, copy) = (logs.display(), copy.display());
             notes.push(format!(
                 "{logs}, line {line}: {what}; the edits before it are kept, all of it is in {copy}"
@@ -130,34 +123,78 @@ impl Session {
         }
         if options.log != LogUse::Whole && vfs.exists(&logs) {
             // What is left out stays in a copy; the log itself goes on from what was taken.
-            let copy = free_name(&*vfs, &logs);
-            let bytes = vfs.read(&logs).map_err(|cause| io_error(&logs, cause))?;
-            vfs.replace(&copy, &bytes).map_err(|cause| io_error(&copy, cause))?;
+            let copy = keep_copy(&*vfs, &logs)?;
             notes.push(format!("the whole log is kept in {}", copy.display()));
             keep = 0;
         }
-        let journal = Journal::open(&*vfs, path, original, keep, lock)?;
-        let entries: Vec<_> = lines.into_iter().map(|l| (l.line.entry, l.line.hash)).collect();
+        let journal = Journal::open(&*vfs, path, session.original, keep, lock)?;
         if keep == 0 {
-            entries.iter().for_each(|(entry, hash)| journal.commit(entry, *hash));
+            session.log.iter().for_each(|(entry, hash)| journal.commit(entry, *hash));
         }
-        let saved_at =
-            entries.iter().rposition(|(e, _)| matches!(e, crate::edit::Entry::Save)).map_or(0, |at| at + 1);
-        let session = Session {
+        session.path = Some(path.to_owned());
+        session.journal = Some(journal);
+        Ok(Opened { session, notes })
+    }
+
+    /// Opens a wavelet file with its log as a surface that has no file yet: nothing is locked or written until it is
+    /// saved under a name of its own.
+    ///
+    /// # Errors
+    /// Files that cannot be read or do not fit together, or a damaged log.
+    pub fn open_detached(
+        vfs: Arc<dyn Vfs>,
+        path: &Path,
+        options: OpenOptions,
+        progress: &dyn Fn(f32) -> bool,
+    ) -> Result<Opened, SessionError> {
+        let Parts { model, lines, log, notes } = read_parts(&*vfs, path, options)?;
+        if let Some((line, what)) = log.damage {
+            return Err(damaged(&log_path(path), line, what).into());
+        }
+        let mut session = Self::replayed(vfs.clone(), path, model, lines, progress)?;
+        session.unsaved = Some(Arc::new(vfs.read(path).map_err(|cause| io_error(path, cause))?));
+        Ok(Opened { session, notes })
+    }
+
+    /// A session without file or journal, its log replayed.
+    fn replayed(
+        vfs: Arc<dyn Vfs>,
+        path: &Path,
+        mut model: Model,
+        lines: Vec<NumberedLine>,
+        progress: &dyn Fn(f32) -> bool,
+    ) -> Result<Self, SessionError> {
+        if !model.complete {
+            return Err(SessionError::Partial { path: path.to_owned() });
+        }
+        let original = model.stated_hash;
+        let mut record = Record::new();
+        let edits = replay(&mut model.surface, &mut record, &lines, progress)
+            .map_err(|error| SessionError::Replay { path: log_path(path), error })?;
+        let log: Vec<_> = lines.into_iter().map(|l| (l.line.entry, l.line.hash)).collect();
+        let saved_at = log.iter().rposition(|(entry, _)| *entry == Entry::Save).map_or(0, |at| at + 1);
+        Ok(Self {
             vfs: Shared(vfs),
             model,
             unsaved: None,
-            path: Some(path.to_owned()),
+            path: None,
             original,
             record,
-            log: entries,
+            log,
             saved_at,
             edits,
-            journal: Some(journal),
+            journal: None,
             stroke: None,
-        };
-        Ok(Opened { session, notes })
+        })
     }
+}
+
+/// Copies a log beside itself, under a name that is not taken.
+fn keep_copy(vfs: &dyn Vfs, logs: &Path) -> Result<PathBuf, FileError> {
+    let copy = free_name(vfs, logs);
+    let bytes = vfs.read(logs).map_err(|cause| io_error(logs, cause))?;
+    vfs.replace(&copy, &bytes).map_err(|cause| io_error(&copy, cause))?;
+    Ok(copy)
 }
 
 /// A name beside a log that is not taken: `name.edits.kept`, `name.edits.kept-2`, ….

@@ -7,6 +7,7 @@
 
 mod changes;
 mod digest;
+mod influence;
 mod local;
 mod marks;
 mod placement;

@@ -1,0 +1,79 @@
+//! `bozzetto globe`: a picture of elevations onto a subdivided octahedron.
+
+use super::import::How;
+use super::info::Info;
+use super::input::metadata_of;
+use anyhow::{Context, Result};
+use bozzetto_core::conversion::{EquirectangularGrid, GridMeaning, globe};
+use bozzetto_core::disk::{Disk, Vfs};
+use bozzetto_core::file::{Model, encode};
+use std::path::{Path, PathBuf};
+
+/// Levels when nothing else is asked for: 131 thousand faces.
+const DEFAULT_LEVELS: u8 = 7;
+
+/// Make a globe from an equirectangular picture: row 0 in the north, column 0 at longitude -180.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: bozzetto globe assets/earth-elevation.png -o earth.boz --zero 0.16785")]
+pub struct Args {
+    /// The picture: a grey PNG or TIFF, 8 to 32 bits.
+    image: PathBuf,
+    /// The wavelet file to write.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// The picture's values are radii instead of elevations.
+    #[arg(long, conflicts_with_all = ["relief", "zero"])]
+    radius_grid: bool,
+    /// How much radius black to white is worth, for elevations.
+    #[arg(long, default_value_t = 0.12)]
+    relief: f64,
+    /// The grey value, from 0 to 1, at sea level (radius 1), for elevations.
+    #[arg(long, default_value_t = 0.0)]
+    zero: f64,
+    #[command(flatten)]
+    how: How,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// The picture cannot be read, makes no globe, or the file cannot be written.
+pub fn run(args: &Args) -> Result<()> {
+    let grid = read_grid(&args.image)?;
+    let meaning = if args.radius_grid {
+        GridMeaning::Radius
+    } else {
+        GridMeaning::Elevation { relief: args.relief, zero: args.zero }
+    };
+    let levels = args.how.levels().unwrap_or(DEFAULT_LEVELS);
+    let surface = globe(&grid, meaning, levels, &args.how.options()?)
+        .map_err(|e| anyhow::anyhow!("{}: {e}", args.image.display()))?;
+    let model = Model::new(surface, None, metadata_of(&args.image));
+    let bytes = encode(&model);
+    Disk.replace(&args.output, &bytes).with_context(|| args.output.display().to_string())?;
+    let info = Info::of(&model, bytes.len() as u64);
+    if args.json {
+        println!("{}", serde_json::to_string(&info)?);
+    } else {
+        print!("{}", info.text());
+    }
+    Ok(())
+}
+
+fn read_grid(path: &Path) -> Result<EquirectangularGrid> {
+    let reader = image::ImageReader::open(path).with_context(|| path.display().to_string())?;
+    let mut reader = reader.with_guessed_format().with_context(|| path.display().to_string())?;
+    let mut limits = image::Limits::default();
+    limits.max_alloc = Some(2 << 30);
+    reader.limits(limits);
+    let picture = reader.decode().with_context(|| {
+        format!("{}: this is not a PNG or TIFF picture; convert it to one", path.display())
+    })?;
+    let grey = picture.to_luma32f();
+    let (width, height) = grey.dimensions();
+    EquirectangularGrid::new(width as usize, height as usize, grey.into_raw())
+        .map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))
+}

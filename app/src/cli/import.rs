@@ -1,0 +1,191 @@
+//! `bozzetto import`: a mesh to a wavelet file.
+
+use super::info::Info;
+use super::input::{import_file, model_of};
+use super::progress::Progress;
+use anyhow::{Result, bail};
+use bozzetto_core::conversion::{ImportOptions, Remesh};
+use bozzetto_core::disk::{Disk, Vfs};
+use bozzetto_core::file::encode;
+use bozzetto_core::mesh::{CompareOptions, compare};
+use bozzetto_core::surface::{DEFAULT_PRECISION, UpAxis};
+use bozzetto_core::wavelet::{Scheme, Wavelet};
+use clap::ValueEnum;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Turn a mesh into a wavelet file.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: bozzetto import scan.obj -o scan.boz --wavelet 2")]
+pub struct Args {
+    /// The mesh: .obj, .ply or .off.
+    mesh: PathBuf,
+    /// The wavelet file to write.
+    #[arg(short, long)]
+    output: PathBuf,
+    #[command(flatten)]
+    how: How,
+    /// Bound on the measured distance, over the bounding-box diagonal; the result says whether it is met.
+    #[arg(long, value_name = "T")]
+    tolerance: Option<f64>,
+    /// Upper limit of base faces.
+    #[arg(long, value_name = "N")]
+    base_faces: Option<usize>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Options that every kind of import shares.
+#[derive(Debug, clap::Args)]
+pub struct How {
+    /// Which wavelets: lazy, 0, 1 or 2 (the disc's radius).
+    #[arg(long, default_value = "2")]
+    wavelet: WaveletArg,
+    /// How odd vertices are predicted.
+    #[arg(long, default_value = "linear")]
+    scheme: SchemeArg,
+    /// At most so many levels.
+    #[arg(long, value_name = "J", value_parser = clap::value_parser!(u8).range(0..=15))]
+    levels: Option<u8>,
+    /// Bits of precision.
+    #[arg(long, default_value_t = DEFAULT_PRECISION, value_parser = clap::value_parser!(u8).range(8..=25))]
+    precision: u8,
+    /// Whether to convert: auto looks for subdivision connectivity first, never takes the mesh as it is.
+    #[arg(long, default_value = "auto")]
+    remesh: RemeshArg,
+    /// The model's up axis.
+    #[arg(long, default_value = "y")]
+    up: UpArg,
+    /// The model's unit of length, kept in the file.
+    #[arg(long, default_value = "")]
+    unit: String,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum WaveletArg {
+    Lazy,
+    #[value(name = "0")]
+    Zero,
+    #[value(name = "1")]
+    One,
+    #[value(name = "2")]
+    Two,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum SchemeArg {
+    Linear,
+    Butterfly,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum RemeshArg {
+    Auto,
+    Always,
+    Never,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum UpArg {
+    Y,
+    Z,
+}
+
+impl How {
+    /// As options of the core.
+    ///
+    /// # Errors
+    /// The scheme is not available.
+    pub fn options(&self) -> Result<ImportOptions> {
+        if matches!(self.scheme, SchemeArg::Butterfly) {
+            bail!("--scheme butterfly is not available in this version; use linear");
+        }
+        Ok(ImportOptions {
+            wavelet: match self.wavelet {
+                WaveletArg::Lazy => Wavelet::Lazy,
+                WaveletArg::Zero => Wavelet::Disc(0),
+                WaveletArg::One => Wavelet::Disc(1),
+                WaveletArg::Two => Wavelet::Disc(2),
+            },
+            scheme: Scheme::Linear,
+            levels: self.levels,
+            precision: self.precision,
+            remesh: match self.remesh {
+                RemeshArg::Auto => Remesh::Auto,
+                RemeshArg::Always => Remesh::Always,
+                RemeshArg::Never => Remesh::Never,
+            },
+            up: match self.up {
+                UpArg::Y => UpAxis::Y,
+                UpArg::Z => UpAxis::Z,
+            },
+            unit: self.unit.clone(),
+        })
+    }
+
+    /// The levels asked for.
+    pub fn levels(&self) -> Option<u8> {
+        self.levels
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    #[serde(flatten)]
+    info: Info,
+    seconds: f64,
+    cleaned: Vec<String>,
+    rms: f64,
+    max: f64,
+    tolerance_met: Option<bool>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// The mesh cannot be read or imported, or the file not written.
+pub fn run(args: &Args) -> Result<()> {
+    let progress = Progress::new("Importing");
+    let (mesh, imported) = import_file(&args.mesh, &args.how.options()?)?;
+    progress.report(0.3);
+    let base_faces = imported.surface.hierarchy().base().faces().len();
+    if let Some(limit) = args.base_faces.filter(|&limit| base_faces > limit) {
+        bail!(
+            "{}: its base mesh has {base_faces} faces, more than --base-faces {limit} allows",
+            args.mesh.display()
+        );
+    }
+    let cleaned = imported.cleaned.clone();
+    let model = model_of(&args.mesh, imported);
+    let result = model.surface.to_mesh(model.surface.finest());
+    let measured =
+        compare(&mesh, &result, &CompareOptions::default(), &|share| progress.report(0.3 + 0.6 * share))?;
+    let bytes = encode(&model);
+    Disk.replace(&args.output, &bytes).map_err(|e| anyhow::anyhow!("{}: {e}", args.output.display()))?;
+    let report = Report {
+        info: Info::of(&model, bytes.len() as u64),
+        seconds: progress.seconds(),
+        cleaned,
+        rms: measured.rms,
+        max: measured.max,
+        tolerance_met: args.tolerance.map(|tolerance| measured.max <= tolerance),
+    };
+    drop(progress);
+    if args.json {
+        println!("{}", serde_json::to_string(&report)?);
+    } else {
+        print!("{}", report.info.text());
+        println!("distance     rms {:.2e}, max {:.2e} of the diagonal", report.rms, report.max);
+        for sentence in &report.cleaned {
+            println!("cleaned      {sentence}");
+        }
+        match report.tolerance_met {
+            Some(true) => println!("tolerance    met"),
+            Some(false) => println!("tolerance    not met"),
+            None => {}
+        }
+        println!("written      {} in {:.1} s", args.output.display(), report.seconds);
+    }
+    Ok(())
+}

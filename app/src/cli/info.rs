@@ -1,0 +1,113 @@
+//! `bozzetto info`: what a file holds.
+
+use super::input::{LogArgs, load_surface};
+use anyhow::{Context, Result};
+use bozzetto_core::file::Model;
+use bozzetto_core::surface::CHANNELS;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Say what a wavelet file or a mesh holds.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: bozzetto info assets/head.boz")]
+pub struct Args {
+    /// A .boz file or a mesh.
+    file: PathBuf,
+    #[command(flatten)]
+    log: LogArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// The figures of a surface.
+#[derive(Debug, Serialize)]
+pub struct Info {
+    vertices: u32,
+    faces: u64,
+    levels: u8,
+    base_vertices: u32,
+    base_faces: usize,
+    sharp_edges: usize,
+    components: u32,
+    genus: u32,
+    boundary_loops: u32,
+    channels: [&'static str; 3],
+    scheme: String,
+    wavelet: String,
+    precision: u8,
+    complete: bool,
+    bytes: u64,
+    hash: String,
+}
+
+impl Info {
+    /// The figures of a model in a file of so many bytes.
+    pub fn of(model: &Model, bytes: u64) -> Self {
+        let surface = &model.surface;
+        let hierarchy = surface.hierarchy();
+        let base = hierarchy.base();
+        Self {
+            vertices: hierarchy.layout(surface.finest()).len(),
+            faces: hierarchy.face_count(surface.finest()),
+            levels: surface.finest().0,
+            base_vertices: base.vertex_count(),
+            base_faces: base.faces().len(),
+            sharp_edges: base.sharp_edges().len(),
+            components: base.components(),
+            genus: base.genus(),
+            boundary_loops: base.boundary_loops(),
+            channels: CHANNELS,
+            scheme: surface.form().scheme.to_string(),
+            wavelet: surface.form().wavelet.to_string(),
+            precision: surface.form().precision,
+            complete: model.complete,
+            bytes,
+            hash: surface.hash().to_string(),
+        }
+    }
+
+    /// The figures for people.
+    pub fn text(&self) -> String {
+        let plural = |n: u32, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
+        let topology = [
+            plural(self.components, "component", "components"),
+            format!("genus {}", self.genus),
+            plural(self.boundary_loops, "boundary loop", "boundary loops"),
+        ];
+        let mut lines = vec![
+            ("surface", format!("{} vertices, {} faces", self.vertices, self.faces)),
+            (
+                "levels",
+                format!(
+                    "{} over {} base vertices, {} base faces",
+                    self.levels, self.base_vertices, self.base_faces
+                ),
+            ),
+            ("topology", topology.join(", ")),
+            ("wavelet", format!("{}, scheme {}, {} bits", self.wavelet, self.scheme, self.precision)),
+            ("hash", self.hash.clone()),
+            ("file", format!("{} bytes{}", self.bytes, if self.complete { "" } else { ", incomplete" })),
+        ];
+        if self.sharp_edges > 0 {
+            lines.insert(3, ("sharp", format!("{} base edges", self.sharp_edges)));
+        }
+        lines.into_iter().map(|(key, value)| format!("{key:<13}{value}\n")).collect()
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn run(args: &Args) -> Result<()> {
+    let model = load_surface(&args.file, args.log.options())?;
+    let bytes = std::fs::metadata(&args.file).with_context(|| args.file.display().to_string())?.len();
+    let info = Info::of(&model, bytes);
+    if args.json {
+        println!("{}", serde_json::to_string(&info)?);
+    } else {
+        print!("{}", info.text());
+    }
+    Ok(())
+}

@@ -1,0 +1,125 @@
+//! Inputs of commands: a wavelet file with its log, or a mesh.
+
+use anyhow::{Context, Result, bail};
+use bozzetto_core::conversion::{ImportError, ImportOptions, Imported, Remesh, import};
+use bozzetto_core::disk::{Disk, Vfs};
+use bozzetto_core::file::{Metadata, Model, source_by_public_id};
+use bozzetto_core::io::{MeshFormat, read_mesh};
+use bozzetto_core::mesh::TriangleMesh;
+use bozzetto_core::session::{LogUse, OpenOptions, open_model};
+use sha2::{Digest, Sha256};
+use std::path::Path;
+
+/// How much of a log to take, shared by commands that open wavelet files.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct LogArgs {
+    /// Take the wavelet file without its log.
+    #[arg(long, conflicts_with = "saved")]
+    base: bool,
+    /// Take the log up to the last save mark only.
+    #[arg(long)]
+    saved: bool,
+}
+
+impl LogArgs {
+    /// As options of the session.
+    pub fn options(self) -> OpenOptions {
+        let log = match (self.base, self.saved) {
+            (true, _) => LogUse::Ignored,
+            (_, true) => LogUse::Saved,
+            _ => LogUse::Whole,
+        };
+        OpenOptions { log, rebind: false }
+    }
+}
+
+/// What an input file holds.
+#[derive(Debug)]
+pub enum Loaded {
+    /// A wavelet file, log replayed.
+    Surface(Box<Model>),
+    /// A mesh file.
+    Mesh(TriangleMesh),
+}
+
+/// Whether a path names a wavelet file.
+pub fn is_wavelet_file(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("boz"))
+}
+
+/// Loads a wavelet file or a mesh; notes go to stderr.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn load(path: &Path, options: OpenOptions) -> Result<Loaded> {
+    if is_wavelet_file(path) {
+        return Ok(Loaded::Surface(Box::new(load_model(path, options)?)));
+    }
+    if MeshFormat::from_path(path).is_none() {
+        bail!("{}: the format is not known; give a .boz, .obj, .ply or .off file", path.display());
+    }
+    Ok(Loaded::Mesh(read_mesh(path)?))
+}
+
+/// Loads a wavelet file with its log; notes go to stderr.
+///
+/// # Errors
+/// The files cannot be read or do not fit together.
+pub fn load_model(path: &Path, options: OpenOptions) -> Result<Model> {
+    let (model, notes) = open_model(&Disk, path, options)?;
+    for note in notes {
+        eprintln!("note: {note}");
+    }
+    Ok(model)
+}
+
+/// A mesh to look at: that of a mesh file, or the finest level of a wavelet file.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn load_mesh(path: &Path, options: OpenOptions) -> Result<TriangleMesh> {
+    Ok(match load(path, options)? {
+        Loaded::Mesh(mesh) => mesh,
+        Loaded::Surface(model) => model.surface.to_mesh(model.surface.finest()),
+    })
+}
+
+/// A surface to look at: of a wavelet file, or of a mesh by its subdivision connectivity or as its own base mesh.
+///
+/// # Errors
+/// The file cannot be read, or the mesh is no surface.
+pub fn load_surface(path: &Path, options: OpenOptions) -> Result<Model> {
+    match load(path, options)? {
+        Loaded::Surface(model) => Ok(*model),
+        Loaded::Mesh(mesh) => {
+            let never = ImportOptions { remesh: Remesh::Never, ..ImportOptions::default() };
+            Ok(model_of(path, import(&mesh, &never).with_context(|| path.display().to_string())?))
+        }
+    }
+}
+
+/// Imports a mesh file.
+///
+/// # Errors
+/// The file cannot be read or is not a surface.
+pub fn import_file(path: &Path, options: &ImportOptions) -> Result<(TriangleMesh, Imported)> {
+    let mesh = read_mesh(path)?;
+    let imported =
+        import(&mesh, options).map_err(|e: ImportError| anyhow::anyhow!("{}: {e}", path.display()))?;
+    Ok((mesh, imported))
+}
+
+/// A model with its origin noted.
+pub fn model_of(path: &Path, imported: Imported) -> Model {
+    let source = imported.source.map(|by_slot| source_by_public_id(imported.surface.hierarchy(), &by_slot));
+    Model::new(imported.surface, source, metadata_of(path))
+}
+
+/// Name and hash of the file a surface is made from.
+pub fn metadata_of(path: &Path) -> Metadata {
+    let hash = |bytes: Vec<u8>| Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect::<String>();
+    Metadata {
+        source: path.file_name().map(|name| name.to_string_lossy().into_owned()),
+        source_sha256: Disk.read(path).ok().map(hash),
+    }
+}

@@ -1,0 +1,100 @@
+//! `bozzetto replay`: a script or log played onto a wavelet file, without a window.
+
+use super::input::is_wavelet_file;
+use super::progress::Progress;
+use anyhow::{Context, Result, bail};
+use bozzetto_core::disk::{Disk, Vfs};
+use bozzetto_core::file::{Log, read_log};
+use bozzetto_core::session::{LogUse, OpenOptions, Opened, Session, effective};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Play an edit script onto a wavelet file and write the result.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: bozzetto replay assets/head.boz assets/sample.edits -o changed.boz")]
+pub struct Args {
+    /// The wavelet file to start from.
+    file: PathBuf,
+    /// The script or log: one edit or control a line.
+    script: PathBuf,
+    /// The wavelet file to write, with its log beside it.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Start from the file plus its own log.
+    #[arg(long)]
+    onto_log: bool,
+    /// Write one file with the edits folded in, without a log.
+    #[arg(long)]
+    bake: bool,
+    /// Take a log that names another wavelet file.
+    #[arg(long)]
+    rebind: bool,
+    /// Use so many threads; the result does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A file cannot be read, a line cannot be replayed, or the output cannot be written.
+pub fn run(args: &Args) -> Result<()> {
+    if !is_wavelet_file(&args.output) {
+        bail!("{}: a wavelet file's name ends in .boz; rename the output", args.output.display());
+    }
+    let mut pool = rayon::ThreadPoolBuilder::new();
+    if let Some(threads) = args.threads {
+        pool = pool.num_threads(threads.into());
+    }
+    pool.build().context("the threads cannot be started; choose fewer with --threads")?.install(|| play(args))
+}
+
+fn play(args: &Args) -> Result<()> {
+    let script = read_script(&args.script)?;
+    let log = if args.onto_log { LogUse::Whole } else { LogUse::Ignored };
+    let progress = Progress::new("Replaying");
+    let options = OpenOptions { log, rebind: args.rebind };
+    let report = |share| progress.report(share);
+    let Opened { mut session, notes } = Session::open_detached(Arc::new(Disk), &args.file, options, &report)?;
+    for note in notes {
+        eprintln!("note: {note}");
+    }
+    let own = session.original_hash().to_string();
+    if let Some(of) = script.of.as_ref().filter(|of| **of != own && !args.rebind) {
+        bail!(
+            "{} belongs to another wavelet file ({of}, not {own}); use its own file, or --rebind to apply it anyway",
+            args.script.display()
+        );
+    }
+    let edits = session
+        .play(&effective(&script.lines, false), &report)
+        .map_err(|e| anyhow::anyhow!("{}, {e}; correct or remove that line", args.script.display()))?;
+    if args.bake {
+        session.save_copy(&args.output)?;
+    } else {
+        session.save_as(&args.output)?;
+    }
+    let hash = session.hash();
+    session.close().map_err(anyhow::Error::msg)?;
+    drop(progress);
+    if args.json {
+        println!("{}", json!({ "hash": hash.to_string(), "edits": edits }));
+    } else {
+        println!("{edits} edits, hash {hash}");
+    }
+    Ok(())
+}
+
+/// Reads a script; a bad line is an error that names it.
+fn read_script(path: &Path) -> Result<Log> {
+    let bytes = Disk.read(path).with_context(|| path.display().to_string())?;
+    let log = read_log(&bytes, false);
+    if let Some((line, what)) = &log.damage {
+        bail!("{}, line {line}: {what}; correct or remove that line", path.display());
+    }
+    Ok(log)
+}

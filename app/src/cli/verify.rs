@@ -1,0 +1,64 @@
+//! `bozzetto verify`: check every block of a file and synthesise it anew.
+
+use super::input::{LogArgs, is_wavelet_file, load_mesh};
+use super::progress::Progress;
+use anyhow::{Context, Result, bail};
+use bozzetto_core::disk::Disk;
+use bozzetto_core::mesh::{CompareOptions, compare};
+use bozzetto_core::session::open_model;
+use bozzetto_core::surface::Surface;
+use std::path::PathBuf;
+
+/// Check a wavelet file: every checksum, the hash, its log, and that analysis inverts synthesis.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: bozzetto verify assets/head.boz")]
+pub struct Args {
+    /// The wavelet file.
+    file: PathBuf,
+    /// Also measure the distance to this mesh.
+    #[arg(long, value_name = "MESH")]
+    against: Option<PathBuf>,
+    #[command(flatten)]
+    log: LogArgs,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Something does not hold.
+pub fn run(args: &Args) -> Result<()> {
+    let path = args.file.display();
+    if !is_wavelet_file(&args.file) {
+        bail!("{path}: only wavelet files can be verified; give a .boz file");
+    }
+    let progress = Progress::new("Verifying");
+    let (model, notes) = open_model(&Disk, &args.file, args.log.options())?;
+    if !model.complete {
+        bail!("{path} is incomplete: it ends before its end marker; get the rest of the file");
+    }
+    for note in notes {
+        eprintln!("note: {note}");
+    }
+    progress.report(0.4);
+    let surface = &model.surface;
+    let finest = surface.scaling(surface.finest()).to_vec();
+    let hierarchy = surface.hierarchy().as_ref().clone();
+    let analysed = Surface::from_finest(hierarchy, surface.form().clone(), finest)?;
+    if analysed.hash() != surface.hash() {
+        bail!(
+            "{path}: analysis of the synthesised surface gives other coefficients; report this as a defect"
+        );
+    }
+    println!("blocks       every checksum agrees");
+    println!("hash         {}", surface.hash());
+    println!("round trip   analysis of the synthesis gives the same coefficients, bit for bit");
+    if let Some(mesh_path) = &args.against {
+        let mesh = load_mesh(mesh_path, args.log.options())?;
+        let ours = surface.to_mesh(surface.finest());
+        let result =
+            compare(&mesh, &ours, &CompareOptions::default(), &|share| progress.report(0.6 + 0.4 * share))
+                .with_context(|| mesh_path.display().to_string())?;
+        println!("distance     rms {:.3e}, max {:.3e} of the diagonal", result.rms, result.max);
+    }
+    Ok(())
+}

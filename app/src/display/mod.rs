@@ -1,0 +1,10 @@
+//! What of a surface is shown: vertices and normals of a level as plain arrays, followed locally through edits, and
+//! the overlays that explain it. Knows the core and the renderer's plain types; neither egui nor wgpu.
+
+mod frame;
+mod overlay;
+mod vertices;
+
+pub use frame::Frame;
+pub use overlay::{Influence, support_outline, tints};
+pub use vertices::ShownVertices;
