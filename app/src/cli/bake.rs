@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Fold a wavelet file and its log into one new wavelet file.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: bozzetto bake work.boz -o final.boz")]
-pub struct Args {
+pub(super) struct Args {
     /// The wavelet file.
     file: PathBuf,
     /// The wavelet file to write.
@@ -23,7 +23,7 @@ pub struct Args {
 ///
 /// # Errors
 /// The file cannot be read, is incomplete, or the result cannot be written.
-pub fn run(args: &Args) -> Result<()> {
+pub(super) fn run(args: &Args) -> Result<()> {
     if !is_wavelet_file(&args.output) {
         bail!("{}: a wavelet file's name ends in .boz; rename the output", args.output.display());
     }

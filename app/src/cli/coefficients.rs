@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Write all scaling and wavelet coefficients as CSV, in model units.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: bozzetto coefficients assets/head.boz --csv head.csv")]
-pub struct Args {
+pub(super) struct Args {
     /// The wavelet file.
     file: PathBuf,
     /// The table to write.
@@ -25,14 +25,14 @@ pub struct Args {
 ///
 /// # Errors
 /// The file cannot be read or the table not written.
-pub fn run(args: &Args) -> Result<()> {
+pub(super) fn run(args: &Args) -> Result<()> {
     let model = load_model(&args.file, args.log.options())?;
     Disk.replace(&args.csv, table(&model).as_bytes()).with_context(|| args.csv.display().to_string())?;
     Ok(())
 }
 
 /// The table: scaling coefficients of level 0, then the wavelets level by level, by public id.
-pub fn table(model: &Model) -> String {
+pub(super) fn table(model: &Model) -> String {
     let surface = &model.surface;
     let placement = &surface.form().placement;
     let source = |id: u32| model.source.as_ref().map_or(String::new(), |s| s[id as usize].to_string());

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Measure the distance between two surfaces, exactly and both ways, over A's bounding-box diagonal.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: bozzetto compare scan.obj scan.boz")]
-pub struct Args {
+pub(super) struct Args {
     /// The reference: a .boz file or a mesh.
     a: PathBuf,
     /// The other: a .boz file or a mesh.
@@ -31,7 +31,7 @@ pub struct Args {
 ///
 /// # Errors
 /// A file cannot be read or holds no surface.
-pub fn run(args: &Args) -> Result<()> {
+pub(super) fn run(args: &Args) -> Result<()> {
     let a = load_mesh(&args.a, args.log.options())?;
     let b = load_mesh(&args.b, args.log.options())?;
     let progress = Progress::new("Comparing");

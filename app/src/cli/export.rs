@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Write a level of a surface as a mesh, vertices in public order.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: bozzetto export assets/head.boz -o head.obj --level 3")]
-pub struct Args {
+pub(super) struct Args {
     /// The wavelet file.
     file: PathBuf,
     /// The mesh to write: .obj, .ply, .stl, .glb or .off.
@@ -31,7 +31,7 @@ pub struct Args {
 ///
 /// # Errors
 /// The file cannot be read, the level does not exist, or the mesh cannot be written.
-pub fn run(args: &Args) -> Result<()> {
+pub(super) fn run(args: &Args) -> Result<()> {
     let Some(format) = MeshFormat::from_path(&args.output) else {
         bail!("{}: the format is not known; use .obj, .ply, .stl, .glb or .off", args.output.display());
     };
@@ -54,7 +54,7 @@ pub fn run(args: &Args) -> Result<()> {
 ///
 /// # Errors
 /// There is no such level.
-pub fn existing_level(surface: &Surface, level: Option<u8>) -> Result<Level> {
+pub(super) fn existing_level(surface: &Surface, level: Option<u8>) -> Result<Level> {
     let finest = surface.finest();
     match level {
         None => Ok(finest),

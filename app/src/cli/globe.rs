@@ -15,7 +15,7 @@ const DEFAULT_LEVELS: u8 = 7;
 /// Make a globe from an equirectangular picture: row 0 in the north, column 0 at longitude -180.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: bozzetto globe assets/earth-elevation.png -o earth.boz --zero 0.16785")]
-pub struct Args {
+pub(super) struct Args {
     /// The picture: a grey PNG or TIFF, 8 to 32 bits.
     image: PathBuf,
     /// The wavelet file to write.
@@ -41,7 +41,7 @@ pub struct Args {
 ///
 /// # Errors
 /// The picture cannot be read, makes no globe, or the file cannot be written.
-pub fn run(args: &Args) -> Result<()> {
+pub(super) fn run(args: &Args) -> Result<()> {
     let grid = read_grid(&args.image)?;
     let meaning = if args.radius_grid {
         GridMeaning::Radius

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 /// Turn a mesh into a wavelet file.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: bozzetto import scan.obj -o scan.boz --wavelet 2")]
-pub struct Args {
+pub(super) struct Args {
     /// The mesh: .obj, .ply or .off.
     mesh: PathBuf,
     /// The wavelet file to write.
@@ -38,7 +38,7 @@ pub struct Args {
 
 /// Options that every kind of import shares.
 #[derive(Debug, clap::Args)]
-pub struct How {
+pub(super) struct How {
     /// Which wavelets: lazy, 0, 1 or 2 (the disc's radius).
     #[arg(long, default_value = "2")]
     wavelet: WaveletArg,
@@ -97,7 +97,7 @@ impl How {
     ///
     /// # Errors
     /// The scheme is not available.
-    pub fn options(&self) -> Result<ImportOptions> {
+    pub(super) fn options(&self) -> Result<ImportOptions> {
         if matches!(self.scheme, SchemeArg::Butterfly) {
             bail!("--scheme butterfly is not available in this version; use linear");
         }
@@ -125,7 +125,7 @@ impl How {
     }
 
     /// The levels asked for.
-    pub fn levels(&self) -> Option<u8> {
+    pub(super) fn levels(&self) -> Option<u8> {
         self.levels
     }
 }
@@ -145,7 +145,7 @@ struct Report {
 ///
 /// # Errors
 /// The mesh cannot be read or imported, or the file not written.
-pub fn run(args: &Args) -> Result<()> {
+pub(super) fn run(args: &Args) -> Result<()> {
     let progress = Progress::new("Importing");
     let (mesh, imported) = import_file(&args.mesh, &args.how.options()?)?;
     progress.report(0.3);

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// Say what a wavelet file or a mesh holds.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: bozzetto info assets/head.boz")]
-pub struct Args {
+pub(super) struct Args {
     /// A .boz file or a mesh.
     file: PathBuf,
     #[command(flatten)]
@@ -22,7 +22,7 @@ pub struct Args {
 
 /// The figures of a surface.
 #[derive(Debug, Serialize)]
-pub struct Info {
+pub(super) struct Info {
     vertices: u32,
     faces: u64,
     levels: u8,
@@ -43,7 +43,7 @@ pub struct Info {
 
 impl Info {
     /// The figures of a model in a file of so many bytes.
-    pub fn of(model: &Model, bytes: u64) -> Self {
+    pub(super) fn of(model: &Model, bytes: u64) -> Self {
         let surface = &model.surface;
         let hierarchy = surface.hierarchy();
         let base = hierarchy.base();
@@ -68,7 +68,7 @@ impl Info {
     }
 
     /// The figures for people.
-    pub fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let plural = |n: u32, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
         let topology = [
             plural(self.components, "component", "components"),
@@ -100,7 +100,7 @@ impl Info {
 ///
 /// # Errors
 /// The file cannot be read.
-pub fn run(args: &Args) -> Result<()> {
+pub(super) fn run(args: &Args) -> Result<()> {
     let model = load_surface(&args.file, args.log.options())?;
     let bytes = std::fs::metadata(&args.file).with_context(|| args.file.display().to_string())?.len();
     let info = Info::of(&model, bytes);

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// How much of a log to take, shared by commands that open wavelet files.
 #[derive(Debug, Clone, Copy, clap::Args)]
-pub struct LogArgs {
+pub(super) struct LogArgs {
     /// Take the wavelet file without its log.
     #[arg(long, conflicts_with = "saved")]
     base: bool,
@@ -23,7 +23,7 @@ pub struct LogArgs {
 
 impl LogArgs {
     /// As options of the session.
-    pub fn options(self) -> OpenOptions {
+    pub(super) fn options(self) -> OpenOptions {
         let log = match (self.base, self.saved) {
             (true, _) => LogUse::Ignored,
             (_, true) => LogUse::Saved,
@@ -43,7 +43,7 @@ pub enum Loaded {
 }
 
 /// Whether a path names a wavelet file.
-pub fn is_wavelet_file(path: &Path) -> bool {
+pub(super) fn is_wavelet_file(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("boz"))
 }
 
@@ -65,7 +65,7 @@ pub fn load(path: &Path, options: OpenOptions) -> Result<Loaded> {
 ///
 /// # Errors
 /// The files cannot be read or do not fit together.
-pub fn load_model(path: &Path, options: OpenOptions) -> Result<Model> {
+pub(super) fn load_model(path: &Path, options: OpenOptions) -> Result<Model> {
     let (model, notes) = open_model(&Disk, path, options)?;
     for note in notes {
         eprintln!("note: {note}");
@@ -77,7 +77,7 @@ pub fn load_model(path: &Path, options: OpenOptions) -> Result<Model> {
 ///
 /// # Errors
 /// The file cannot be read.
-pub fn load_mesh(path: &Path, options: OpenOptions) -> Result<TriangleMesh> {
+pub(super) fn load_mesh(path: &Path, options: OpenOptions) -> Result<TriangleMesh> {
     Ok(match load(path, options)? {
         Loaded::Mesh(mesh) => mesh,
         Loaded::Surface(model) => model.surface.to_mesh(model.surface.finest()),
@@ -88,7 +88,7 @@ pub fn load_mesh(path: &Path, options: OpenOptions) -> Result<TriangleMesh> {
 ///
 /// # Errors
 /// The file cannot be read, or the mesh is no surface.
-pub fn load_surface(path: &Path, options: OpenOptions) -> Result<Model> {
+pub(super) fn load_surface(path: &Path, options: OpenOptions) -> Result<Model> {
     match load(path, options)? {
         Loaded::Surface(model) => Ok(*model),
         Loaded::Mesh(mesh) => {
@@ -102,7 +102,7 @@ pub fn load_surface(path: &Path, options: OpenOptions) -> Result<Model> {
 ///
 /// # Errors
 /// The file cannot be read or is not a surface.
-pub fn import_file(path: &Path, options: &ImportOptions) -> Result<(TriangleMesh, Imported)> {
+pub(super) fn import_file(path: &Path, options: &ImportOptions) -> Result<(TriangleMesh, Imported)> {
     let mesh = read_mesh(path)?;
     let imported =
         import(&mesh, options).map_err(|e: ImportError| anyhow::anyhow!("{}: {e}", path.display()))?;
@@ -110,13 +110,13 @@ pub fn import_file(path: &Path, options: &ImportOptions) -> Result<(TriangleMesh
 }
 
 /// A model with its origin noted.
-pub fn model_of(path: &Path, imported: Imported) -> Model {
+pub(super) fn model_of(path: &Path, imported: Imported) -> Model {
     let source = imported.source.map(|by_slot| source_by_public_id(imported.surface.hierarchy(), &by_slot));
     Model::new(imported.surface, source, metadata_of(path))
 }
 
 /// Name and hash of the file a surface is made from.
-pub fn metadata_of(path: &Path) -> Metadata {
+pub(super) fn metadata_of(path: &Path) -> Metadata {
     let hash = |bytes: Vec<u8>| Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect::<String>();
     Metadata {
         source: path.file_name().map(|name| name.to_string_lossy().into_owned()),

@@ -21,7 +21,7 @@ use std::str::FromStr;
 #[command(after_help = "Overlays, several allowed: edges[=LEVEL], handles=LEVEL, control=LEVEL,\n\
     scaling=LEVEL/VERTEX and wavelet=LEVEL/VERTEX (a coefficient's influence and support).\n\n\
     Example: bozzetto render assets/head.boz -o head.png --view 30,10,1 --overlay edges=1")]
-pub struct Args {
+pub(super) struct Args {
     /// A .boz file or a mesh.
     file: PathBuf,
     /// The picture to write, a PNG.
@@ -112,7 +112,7 @@ impl FromStr for Overlay {
 /// # Errors
 /// The file cannot be read, an overlay names what is not there, there is no way to draw, or the picture cannot be
 /// written.
-pub fn run(args: &Args) -> Result<()> {
+pub(super) fn run(args: &Args) -> Result<()> {
     if args.output.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")) {
         bail!("{}: pictures are PNG files; let the name end in .png", args.output.display());
     }

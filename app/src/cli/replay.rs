@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// Play an edit script onto a wavelet file and write the result.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: bozzetto replay assets/head.boz assets/sample.edits -o changed.boz")]
-pub struct Args {
+pub(super) struct Args {
     /// The wavelet file to start from.
     file: PathBuf,
     /// The script or log: one edit or control a line.
@@ -42,7 +42,7 @@ pub struct Args {
 ///
 /// # Errors
 /// A file cannot be read, a line cannot be replayed, or the output cannot be written.
-pub fn run(args: &Args) -> Result<()> {
+pub(super) fn run(args: &Args) -> Result<()> {
     if !is_wavelet_file(&args.output) {
         bail!("{}: a wavelet file's name ends in .boz; rename the output", args.output.display());
     }

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// Check a wavelet file: every checksum, the hash, its log, and that analysis inverts synthesis.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: bozzetto verify assets/head.boz")]
-pub struct Args {
+pub(super) struct Args {
     /// The wavelet file.
     file: PathBuf,
     /// Also measure the distance to this mesh.
@@ -26,7 +26,7 @@ pub struct Args {
 ///
 /// # Errors
 /// Something does not hold.
-pub fn run(args: &Args) -> Result<()> {
+pub(super) fn run(args: &Args) -> Result<()> {
     let path = args.file.display();
     if !is_wavelet_file(&args.file) {
         bail!("{path}: only wavelet files can be verified; give a .boz file");

@@ -1,4 +1,6 @@
-//! Chunks: type, flags, lengths, payload, checksum. Every byte of a file lies under one.
+//! Chunks: type, flags, lengths, checksum of these; payload, checksum of everything before. Every byte of a file lies
+//! under one. The header has a checksum of its own because its lengths are trusted before the rest is there: a
+//! damaged length would otherwise look like a file cut short.
 
 use flate2::Compression;
 use flate2::read::{DeflateDecoder, DeflateEncoder};
@@ -10,7 +12,8 @@ pub(super) const MAGIC: [u8; 8] = *b"\x89BOZ\r\n\x1a\n";
 pub(super) const VERSION: u16 = 1;
 /// Length of the preamble.
 pub(super) const PREAMBLE: usize = 16;
-const HEADER: usize = 24;
+/// Type, flags, packing, two zeros, raw length, packed length, checksum.
+const HEADER: usize = 28;
 const CRITICAL: u8 = 1;
 
 /// A chunk's four-letter type.
@@ -53,14 +56,18 @@ impl Chunk {
         file.extend([if self.critical { CRITICAL } else { 0 }, self.packing, 0, 0]);
         file.extend(self.raw_len.to_le_bytes());
         file.extend((self.payload.len() as u64).to_le_bytes());
+        file.extend(crc32fast::hash(&file[start..]).to_le_bytes());
         file.extend(&self.payload);
-        let crc = crc32fast::hash(&file[start..]);
-        file.extend(crc.to_le_bytes());
+        file.extend(crc32fast::hash(&file[start..]).to_le_bytes());
     }
 
     /// Reads the chunk at the head of `bytes`; also how many bytes it takes.
     pub(super) fn read(bytes: &[u8]) -> Result<(Self, usize), Stop> {
         let header = bytes.get(..HEADER).ok_or(Stop::Cut)?;
+        let (fields, crc) = header.split_at(HEADER - 4);
+        if crc != crc32fast::hash(fields).to_le_bytes() {
+            return Err(Stop::Damaged("the checksum of a chunk's header does not agree"));
+        }
         let length = |at: usize| u64::from_le_bytes(header[at..at + 8].try_into().expect("eight bytes"));
         let packed_len = usize::try_from(length(16)).map_err(|_| Stop::Cut)?;
         let end = HEADER.checked_add(packed_len).and_then(|n| n.checked_add(4)).ok_or(Stop::Cut)?;
