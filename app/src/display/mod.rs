@@ -3,8 +3,11 @@
 
 mod frame;
 mod overlay;
+mod pick_tree;
+mod subtriangle;
 mod vertices;
 
 pub use frame::Frame;
+pub use pick_tree::{Hit, PickTree};
 pub use overlay::{Influence, support_outline, tints};
 pub use vertices::ShownVertices;

@@ -9,7 +9,7 @@ const GROWTH: f64 = 1.5;
 /// Room in the smallest buffer, bytes.
 const SMALLEST: u64 = 256;
 
-/// Elements of `stride` bytes in a GPU buffer. Elements never written are zero.
+/// Elements of `stride` bytes in a GPU buffer. Elements never written are zero, or what a truncation left there.
 pub(super) struct GpuBuffer {
     buffer: wgpu::Buffer,
     what: &'static str,

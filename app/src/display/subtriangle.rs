@@ -1,0 +1,104 @@
+//! The triangles that a base face falls into, level by level: each is split into four, so they are a quadtree.
+
+/// A triangle of `M^l` inside a base face, by its lattice place.
+///
+/// An upward one has the corners `(i, r)`, `(i+1, r)`, `(i, r+1)`; a downward one `(i+1, r)`, `(i+1, r+1)`,
+/// `(i, r+1)`, with `i` along the face's first edge and `r` the row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Subtriangle {
+    /// The base face.
+    pub(super) face: u32,
+    /// Place along the row.
+    pub(super) i: u32,
+    /// The row.
+    pub(super) r: u32,
+    /// Whether it points the other way from the face.
+    pub(super) down: bool,
+}
+
+impl Subtriangle {
+    /// The whole base face.
+    pub(super) fn whole(face: u32) -> Self {
+        Self { face, i: 0, r: 0, down: false }
+    }
+
+    /// Its number among the `n²` triangles a face has at a level with `n` segments, faces one after another.
+    pub(super) fn index(self, n: u32) -> usize {
+        let within = self.r * (2 * n - self.r) + 2 * self.i + u32::from(self.down);
+        self.face as usize * (n as usize * n as usize) + within as usize
+    }
+
+    /// Its corners as lattice places `(i, r)`.
+    pub(super) fn corners(self) -> [[u32; 2]; 3] {
+        let (i, r) = (self.i, self.r);
+        if self.down { [[i + 1, r], [i + 1, r + 1], [i, r + 1]] } else { [[i, r], [i + 1, r], [i, r + 1]] }
+    }
+
+    /// The four triangles of the next level that make it up.
+    pub(super) fn children(self) -> [Self; 4] {
+        let at = |i: u32, r: u32, down: bool| Self { face: self.face, i: 2 * self.i + i, r: 2 * self.r + r, down };
+        if self.down {
+            [at(1, 0, true), at(1, 1, true), at(0, 1, true), at(1, 1, false)]
+        } else {
+            [at(0, 0, false), at(1, 0, false), at(0, 1, false), at(0, 0, true)]
+        }
+    }
+
+    /// The triangle of the level before that holds it.
+    pub(super) fn parent(self) -> Self {
+        let both_odd = self.i % 2 == 1 && self.r % 2 == 1;
+        let both_even = self.i.is_multiple_of(2) && self.r.is_multiple_of(2);
+        let down = if self.down { !both_even } else { both_odd };
+        Self { face: self.face, i: self.i / 2, r: self.r / 2, down }
+    }
+
+    /// The up to six triangles of a face, at a level with `n` segments, that meet at the lattice place `(i, r)`.
+    pub(super) fn around(face: u32, i: u32, r: u32, n: u32) -> impl Iterator<Item = Self> {
+        let (i, r, n) = (i64::from(i), i64::from(r), i64::from(n));
+        let places = [
+            (i, r, false),
+            (i - 1, r, false),
+            (i, r - 1, false),
+            (i - 1, r, true),
+            (i - 1, r - 1, true),
+            (i, r - 1, true),
+        ];
+        places.into_iter().filter_map(move |(i, r, down)| {
+            let inside = i >= 0 && r >= 0 && i + r + i64::from(down) < n;
+            inside.then_some(Self { face, i: i as u32, r: r as u32, down })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Subtriangle;
+
+    #[test]
+    fn numbers_are_a_bijection_and_parents_invert_children() {
+        let mut level = vec![Subtriangle::whole(0), Subtriangle::whole(1)];
+        for n in [1u32, 2, 4, 8] {
+            let mut seen = vec![false; level.len()];
+            for triangle in &level {
+                assert!(!std::mem::replace(&mut seen[triangle.index(n)], true), "{triangle:?} at {n}");
+                for child in triangle.children() {
+                    assert_eq!(child.parent(), *triangle);
+                }
+            }
+            level = level.into_iter().flat_map(Subtriangle::children).collect();
+        }
+    }
+
+    #[test]
+    fn triangles_around_a_place_have_it_as_a_corner() {
+        let n = 8;
+        for r in 0..=n {
+            for i in 0..=n - r {
+                let count = Subtriangle::around(3, i, r, n).filter(|t| t.corners().contains(&[i, r])).count();
+                let corner = [i == 0 && r == 0, i == n, r == n].contains(&true);
+                let border = i == 0 || r == 0 || i + r == n;
+                assert_eq!(count, if corner { 1 } else if border { 3 } else { 6 }, "({i}, {r})");
+            }
+        }
+    }
+}
