@@ -1,8 +1,8 @@
 //! `bozzetto coefficients`: every coefficient of a wavelet file as a row of a table.
 
 use super::input::{LogArgs, load_model};
-use anyhow::{Context, Result};
-use bozzetto_core::disk::{Disk, Vfs};
+use super::output;
+use anyhow::{Result, bail};
 use bozzetto_core::file::Model;
 use bozzetto_core::hierarchy::{Level, Odd, Slot};
 use std::fmt::Write;
@@ -26,9 +26,12 @@ pub(super) struct Args {
 /// # Errors
 /// The file cannot be read or the table not written.
 pub(super) fn run(args: &Args) -> Result<()> {
+    if args.csv.extension().is_none_or(|e| !e.eq_ignore_ascii_case("csv")) {
+        bail!("{}: tables are CSV files; let the name end in .csv", args.csv.display());
+    }
+    output::check(&args.csv)?;
     let model = load_model(&args.file, args.log.options())?;
-    Disk.replace(&args.csv, table(&model).as_bytes()).with_context(|| args.csv.display().to_string())?;
-    Ok(())
+    output::replace(&args.csv, table(&model).as_bytes())
 }
 
 /// The table: scaling coefficients of level 0, then the wavelets level by level, by public id.

@@ -1,9 +1,11 @@
 //! `bozzetto compare`: the distance between two surfaces, both ways.
 
 use super::input::{LogArgs, load_mesh};
+use super::output;
 use super::progress::Progress;
 use anyhow::{Context, Result};
 use bozzetto_core::mesh::{CompareOptions, compare};
+use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Measure the distance between two surfaces, exactly and both ways, over A's bounding-box diagonal.
@@ -40,18 +42,18 @@ pub(super) fn run(args: &Args) -> Result<()> {
         .with_context(|| format!("{} and {}", args.a.display(), args.b.display()))?;
     drop(progress);
     if args.json {
-        println!("{}", serde_json::to_string(&result)?);
-        return Ok(());
+        return output::print_json(&result);
     }
-    println!("{:<8}{:>12}{:>12}{:>12}   of the diagonal, {:.6}", "", "mean", "rms", "max", result.diagonal);
+    let mut text = format!("{:8}{:>12}{:>12}{:>12}   of the diagonal, ", "", "mean", "rms", "max");
+    writeln!(text, "{:.6}", result.diagonal)?;
     for (name, way) in [("A → B", result.a_to_b), ("B → A", result.b_to_a)] {
-        println!("{name:<8}{:>12.3e}{:>12.3e}{:>12.3e}", way.mean, way.rms, way.max);
+        writeln!(text, "{name:<8}{:>12.3e}{:>12.3e}{:>12.3e}", way.mean, way.rms, way.max)?;
     }
     match result.psnr {
         Some(psnr) => {
-            println!("{:<8}{:>12}{:>12.3e}{:>12.3e}   {psnr:.2} dB", "both", "", result.rms, result.max)
+            writeln!(text, "{:<20}{:>12.3e}{:>12.3e}   {psnr:.2} dB", "both", result.rms, result.max)?;
         }
-        None => println!("{:<8}the surfaces coincide", "both"),
+        None => writeln!(text, "{:<8}the surfaces coincide", "both")?,
     }
-    Ok(())
+    output::print(&text)
 }

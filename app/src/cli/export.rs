@@ -1,8 +1,8 @@
 //! `bozzetto export`: a level of a surface as a mesh.
 
 use super::input::{LogArgs, load_model};
+use super::output;
 use anyhow::{Context, Result, bail};
-use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::io::{MeshFormat, write_mesh};
 use bozzetto_core::surface::Surface;
@@ -21,7 +21,7 @@ pub(super) struct Args {
     #[arg(long)]
     level: Option<u8>,
     /// Keep this fraction of the wavelet coefficients, the largest after L2 normalisation.
-    #[arg(long, value_name = "FRACTION")]
+    #[arg(long, value_name = "FRACTION", value_parser = fraction)]
     keep: Option<f64>,
     #[command(flatten)]
     log: LogArgs,
@@ -35,19 +35,21 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let Some(format) = MeshFormat::from_path(&args.output) else {
         bail!("{}: the format is not known; use .obj, .ply, .stl, .glb or .off", args.output.display());
     };
+    output::check(&args.output)?;
     let mut surface = load_model(&args.file, args.log.options())?.surface;
     if let Some(fraction) = args.keep {
-        if !(0.0..=1.0).contains(&fraction) {
-            bail!("--keep takes a fraction from 0 to 1, not {fraction}");
-        }
         surface = largest_kept(&surface, fraction)?;
     }
-    let level = existing_level(&surface, args.level)?;
+    let level = existing_level(&surface, args.level).with_context(|| args.file.display().to_string())?;
     let mut bytes = Vec::new();
     write_mesh(&surface.to_mesh(level), format, &mut bytes)
         .with_context(|| args.output.display().to_string())?;
-    Disk.replace(&args.output, &bytes).with_context(|| args.output.display().to_string())?;
-    Ok(())
+    output::replace(&args.output, &bytes)
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|fraction| (0.0..=1.0).contains(fraction));
+    parsed.ok_or_else(|| "give a fraction from 0 to 1".to_owned())
 }
 
 /// The level asked for, or the finest.
@@ -59,7 +61,7 @@ pub(super) fn existing_level(surface: &Surface, level: Option<u8>) -> Result<Lev
     match level {
         None => Ok(finest),
         Some(level) if level <= finest.0 => Ok(Level(level)),
-        Some(level) => bail!("level {level} does not exist: this surface has levels 0 to {finest}"),
+        Some(level) => bail!("level {level} does not exist: this surface has levels 0 to {finest}; choose one of those"),
     }
 }
 

@@ -2,10 +2,10 @@
 
 use super::import::How;
 use super::info::Info;
-use super::input::metadata_of;
+use crate::opening::metadata_of;
+use super::output;
 use anyhow::{Context, Result};
 use bozzetto_core::conversion::{EquirectangularGrid, GridMeaning, globe};
-use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::file::{Model, encode};
 use std::path::{Path, PathBuf};
 
@@ -42,6 +42,7 @@ pub(super) struct Args {
 /// # Errors
 /// The picture cannot be read, makes no globe, or the file cannot be written.
 pub(super) fn run(args: &Args) -> Result<()> {
+    output::check_lone_wavelet_file(&args.output)?;
     let grid = read_grid(&args.image)?;
     let meaning = if args.radius_grid {
         GridMeaning::Radius
@@ -53,18 +54,18 @@ pub(super) fn run(args: &Args) -> Result<()> {
         .map_err(|e| anyhow::anyhow!("{}: {e}", args.image.display()))?;
     let model = Model::new(surface, None, metadata_of(&args.image));
     let bytes = encode(&model);
-    Disk.replace(&args.output, &bytes).with_context(|| args.output.display().to_string())?;
+    output::replace(&args.output, &bytes)?;
     let info = Info::of(&model, bytes.len() as u64);
     if args.json {
-        println!("{}", serde_json::to_string(&info)?);
+        output::print_json(&info)
     } else {
-        print!("{}", info.text());
+        output::print(&info.text())
     }
-    Ok(())
 }
 
 fn read_grid(path: &Path) -> Result<EquirectangularGrid> {
-    let reader = image::ImageReader::open(path).with_context(|| path.display().to_string())?;
+    let reader = image::ImageReader::open(path)
+        .map_err(|e| anyhow::anyhow!("{}: {e}; check the path and its permissions", path.display()))?;
     let mut reader = reader.with_guessed_format().with_context(|| path.display().to_string())?;
     let mut limits = image::Limits::default();
     limits.max_alloc = Some(2 << 30);

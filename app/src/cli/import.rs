@@ -1,18 +1,18 @@
 //! `bozzetto import`: a mesh to a wavelet file.
 
 use super::info::Info;
-use super::input::{import_file, model_of};
+use crate::opening::{import_file, model_of};
+use super::output;
 use super::progress::Progress;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use bozzetto_core::conversion::{ImportOptions, Remesh};
-use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::file::encode;
 use bozzetto_core::mesh::{CompareOptions, compare};
 use bozzetto_core::surface::{DEFAULT_PRECISION, UpAxis};
 use bozzetto_core::wavelet::{Scheme, Wavelet};
 use clap::ValueEnum;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Turn a mesh into a wavelet file.
 #[derive(Debug, clap::Args)]
@@ -141,11 +141,23 @@ struct Report {
     tolerance_met: Option<bool>,
 }
 
+impl Report {
+    /// The figures for people.
+    fn text(&self, written: &Path) -> String {
+        let mut lines = vec![format!("distance     rms {:.2e}, max {:.2e} of the diagonal", self.rms, self.max)];
+        lines.extend(self.cleaned.iter().map(|sentence| format!("cleaned      {sentence}")));
+        lines.extend(self.tolerance_met.map(|met| format!("tolerance    {}", if met { "met" } else { "not met" })));
+        lines.push(format!("written      {} in {:.1} s", written.display(), self.seconds));
+        self.info.text() + &lines.join("\n") + "\n"
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
 /// The mesh cannot be read or imported, or the file not written.
 pub(super) fn run(args: &Args) -> Result<()> {
+    output::check_lone_wavelet_file(&args.output)?;
     let progress = Progress::new("Importing");
     let (mesh, imported) = import_file(&args.mesh, &args.how.options()?)?;
     progress.report(0.3);
@@ -160,9 +172,10 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let model = model_of(&args.mesh, imported);
     let result = model.surface.to_mesh(model.surface.finest());
     let measured =
-        compare(&mesh, &result, &CompareOptions::default(), &|share| progress.report(0.3 + 0.6 * share))?;
+        compare(&mesh, &result, &CompareOptions::default(), &|share| progress.report(0.3 + 0.6 * share))
+            .with_context(|| args.mesh.display().to_string())?;
     let bytes = encode(&model);
-    Disk.replace(&args.output, &bytes).map_err(|e| anyhow::anyhow!("{}: {e}", args.output.display()))?;
+    output::replace(&args.output, &bytes)?;
     let report = Report {
         info: Info::of(&model, bytes.len() as u64),
         seconds: progress.seconds(),
@@ -173,19 +186,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     };
     drop(progress);
     if args.json {
-        println!("{}", serde_json::to_string(&report)?);
+        output::print_json(&report)
     } else {
-        print!("{}", report.info.text());
-        println!("distance     rms {:.2e}, max {:.2e} of the diagonal", report.rms, report.max);
-        for sentence in &report.cleaned {
-            println!("cleaned      {sentence}");
-        }
-        match report.tolerance_met {
-            Some(true) => println!("tolerance    met"),
-            Some(false) => println!("tolerance    not met"),
-            None => {}
-        }
-        println!("written      {} in {:.1} s", args.output.display(), report.seconds);
+        output::print(&report.text(&args.output))
     }
-    Ok(())
 }

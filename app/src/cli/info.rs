@@ -1,6 +1,7 @@
 //! `bozzetto info`: what a file holds.
 
 use super::input::{LogArgs, load_surface};
+use super::output;
 use anyhow::{Context, Result};
 use bozzetto_core::file::Model;
 use bozzetto_core::surface::CHANNELS;
@@ -105,9 +106,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let bytes = std::fs::metadata(&args.file).with_context(|| args.file.display().to_string())?.len();
     let info = Info::of(&model, bytes);
     if args.json {
-        println!("{}", serde_json::to_string(&info)?);
+        output::print_json(&info)
     } else {
-        print!("{}", info.text());
+        output::print(&info.text())
     }
-    Ok(())
 }

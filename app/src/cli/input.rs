@@ -1,13 +1,13 @@
 //! Inputs of commands: a wavelet file with its log, or a mesh.
 
 use anyhow::{Context, Result, bail};
-use bozzetto_core::conversion::{ImportError, ImportOptions, Imported, Remesh, import};
-use bozzetto_core::disk::{Disk, Vfs};
-use bozzetto_core::file::{Metadata, Model, source_by_public_id};
+use bozzetto_core::conversion::{ImportOptions, Remesh, import};
+use bozzetto_core::disk::Disk;
+use bozzetto_core::file::Model;
 use bozzetto_core::io::{MeshFormat, read_mesh};
 use bozzetto_core::mesh::TriangleMesh;
 use bozzetto_core::session::{LogUse, OpenOptions, open_model};
-use sha2::{Digest, Sha256};
+use crate::opening::{is_wavelet_file, model_of};
 use std::path::Path;
 
 /// How much of a log to take, shared by commands that open wavelet files.
@@ -42,11 +42,6 @@ pub enum Loaded {
     Mesh(TriangleMesh),
 }
 
-/// Whether a path names a wavelet file.
-pub(super) fn is_wavelet_file(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("boz"))
-}
-
 /// Loads a wavelet file or a mesh; notes go to stderr.
 ///
 /// # Errors
@@ -67,6 +62,21 @@ pub fn load(path: &Path, options: OpenOptions) -> Result<Loaded> {
 /// The files cannot be read or do not fit together.
 pub(super) fn load_model(path: &Path, options: OpenOptions) -> Result<Model> {
     let (model, notes) = open_model(&Disk, path, options)?;
+    for note in notes {
+        eprintln!("note: {note}");
+    }
+    Ok(model)
+}
+
+/// Loads a wavelet file with its log and refuses a partial one; notes go to stderr.
+///
+/// # Errors
+/// The files cannot be read, do not fit together or end early.
+pub(super) fn load_complete(path: &Path, options: OpenOptions) -> Result<Model> {
+    let (model, notes) = open_model(&Disk, path, options)?;
+    if !model.complete {
+        bail!("{} is incomplete: it ends before its end marker; get the rest of the file", path.display());
+    }
     for note in notes {
         eprintln!("note: {note}");
     }
@@ -95,31 +105,5 @@ pub(super) fn load_surface(path: &Path, options: OpenOptions) -> Result<Model> {
             let never = ImportOptions { remesh: Remesh::Never, ..ImportOptions::default() };
             Ok(model_of(path, import(&mesh, &never).with_context(|| path.display().to_string())?))
         }
-    }
-}
-
-/// Imports a mesh file.
-///
-/// # Errors
-/// The file cannot be read or is not a surface.
-pub(super) fn import_file(path: &Path, options: &ImportOptions) -> Result<(TriangleMesh, Imported)> {
-    let mesh = read_mesh(path)?;
-    let imported =
-        import(&mesh, options).map_err(|e: ImportError| anyhow::anyhow!("{}: {e}", path.display()))?;
-    Ok((mesh, imported))
-}
-
-/// A model with its origin noted.
-pub(super) fn model_of(path: &Path, imported: Imported) -> Model {
-    let source = imported.source.map(|by_slot| source_by_public_id(imported.surface.hierarchy(), &by_slot));
-    Model::new(imported.surface, source, metadata_of(path))
-}
-
-/// Name and hash of the file a surface is made from.
-pub(super) fn metadata_of(path: &Path) -> Metadata {
-    let hash = |bytes: Vec<u8>| Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect::<String>();
-    Metadata {
-        source: path.file_name().map(|name| name.to_string_lossy().into_owned()),
-        source_sha256: Disk.read(path).ok().map(hash),
     }
 }

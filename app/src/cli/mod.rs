@@ -11,6 +11,7 @@ mod globe;
 mod import;
 mod info;
 mod input;
+mod output;
 mod progress;
 mod render;
 mod replay;
@@ -72,8 +73,21 @@ pub fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", sentence(&error));
             ExitCode::FAILURE
         }
     }
+}
+
+/// An error and its causes in one line. Causes that a message already tells are not told twice.
+fn sentence(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for message in error.chain().map(ToString::to_string) {
+        if text.is_empty() {
+            text = message;
+        } else if !text.contains(&message) {
+            text = format!("{text}: {message}");
+        }
+    }
+    text.replace(char::is_control, " ")
 }

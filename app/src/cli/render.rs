@@ -2,15 +2,15 @@
 
 use super::export::existing_level;
 use super::input::{LogArgs, load_surface};
-use crate::display::{Influence, ShownVertices, support_outline, tints};
+use super::output;
+use crate::display::{Influence, ShownVertices, support_border, tints};
 use crate::render::{
     Background, BoundingSphere, GhostMesh, Gpu, Handle, HandleState, Line, Samples, Scene, Shading, Style,
     View, render_png,
 };
 use anyhow::{Context, Result, bail};
-use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::edit::Kind;
-use bozzetto_core::hierarchy::{Level, PublicId, Slot};
+use bozzetto_core::hierarchy::{PublicId, Slot};
 use bozzetto_core::surface::Surface;
 use clap::ValueEnum;
 use std::path::PathBuf;
@@ -116,19 +116,25 @@ pub(super) fn run(args: &Args) -> Result<()> {
     if args.output.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")) {
         bail!("{}: pictures are PNG files; let the name end in .png", args.output.display());
     }
+    output::check(&args.output)?;
     let surface = load_surface(&args.file, args.log.options())?.surface;
-    let level = existing_level(&surface, args.level)?;
-    let gpu = Gpu::headless()?;
-    let picture = draw(&gpu, &surface, level, args)?;
+    let name = || args.file.display().to_string();
+    let level = existing_level(&surface, args.level).with_context(name)?;
+    let shown = ShownVertices::new(&surface, level);
+    let overlays = Overlays::collect(&surface, &shown, &args.overlay).with_context(name)?;
+    let picture = draw(&Gpu::headless()?, &surface, &shown, &overlays, args)?;
     let mut bytes = std::io::Cursor::new(Vec::new());
     picture.write_to(&mut bytes, image::ImageFormat::Png)?;
-    Disk.replace(&args.output, bytes.get_ref()).with_context(|| args.output.display().to_string())?;
-    Ok(())
+    output::replace(&args.output, bytes.get_ref())
 }
 
-fn draw(gpu: &Gpu, surface: &Surface, level: Level, args: &Args) -> Result<image::RgbaImage> {
-    let shown = ShownVertices::new(surface, level);
-    let drawn = Overlays::collect(surface, &shown, &args.overlay)?;
+fn draw(
+    gpu: &Gpu,
+    surface: &Surface,
+    shown: &ShownVertices,
+    drawn: &Overlays,
+    args: &Args,
+) -> Result<image::RgbaImage> {
     let style = Style {
         shading: match args.shading {
             ShadingArg::Clay => Shading::Clay,
@@ -143,7 +149,7 @@ fn draw(gpu: &Gpu, surface: &Surface, level: Level, args: &Args) -> Result<image
         positions: shown.positions(),
         normals: shown.normals(),
         tints: &drawn.tints,
-        triangles: &surface.hierarchy().triangles(level),
+        triangles: &surface.hierarchy().triangles(shown.level()),
         edges: &drawn.edges,
         lines: &drawn.lines,
         handles: &drawn.handles,
@@ -216,7 +222,10 @@ impl Overlays {
                 for (slot, tint) in tints(&influence) {
                     self.tints[slot.index()] = tint;
                 }
-                self.lines.extend(support_outline(surface, shown, &influence, [250, 246, 236, 230]));
+                let at = |slot: u32| shown.positions()[slot as usize];
+                let outline = support_border(hierarchy.layout(shown.level()), &influence);
+                let color = [250, 246, 236, 230];
+                self.lines.extend(outline.iter().map(|&[a, b]| Line { from: at(a), to: at(b), color, width: 2.0 }));
             }
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! `bozzetto replay`: a script or log played onto a wavelet file, without a window.
 
-use super::input::is_wavelet_file;
+use super::output;
 use super::progress::Progress;
 use anyhow::{Context, Result, bail};
 use bozzetto_core::disk::{Disk, Vfs};
@@ -43,8 +43,10 @@ pub(super) struct Args {
 /// # Errors
 /// A file cannot be read, a line cannot be replayed, or the output cannot be written.
 pub(super) fn run(args: &Args) -> Result<()> {
-    if !is_wavelet_file(&args.output) {
-        bail!("{}: a wavelet file's name ends in .boz; rename the output", args.output.display());
+    if args.bake {
+        output::check_lone_wavelet_file(&args.output)?;
+    } else {
+        output::check_wavelet_file(&args.output)?;
     }
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = args.threads {
@@ -82,16 +84,17 @@ fn play(args: &Args) -> Result<()> {
     session.close().map_err(anyhow::Error::msg)?;
     drop(progress);
     if args.json {
-        println!("{}", json!({ "hash": hash.to_string(), "edits": edits }));
+        output::print_json(&json!({ "hash": hash.to_string(), "edits": edits }))
     } else {
-        println!("{edits} edits, hash {hash}");
+        output::print(&format!("{edits} edits, hash {hash}\n"))
     }
-    Ok(())
 }
 
 /// Reads a script; a bad line is an error that names it.
 fn read_script(path: &Path) -> Result<Log> {
-    let bytes = Disk.read(path).with_context(|| path.display().to_string())?;
+    let bytes = Disk
+        .read(path)
+        .map_err(|e| anyhow::anyhow!("{}: {e}; check the path and its permissions", path.display()))?;
     let log = read_log(&bytes, false);
     if let Some((line, what)) = &log.damage {
         bail!("{}, line {line}: {what}; correct or remove that line", path.display());

@@ -1,12 +1,13 @@
 //! `bozzetto verify`: check every block of a file and synthesise it anew.
 
-use super::input::{LogArgs, is_wavelet_file, load_mesh};
+use super::input::{LogArgs, load_complete, load_mesh};
+use crate::opening::is_wavelet_file;
+use super::output;
 use super::progress::Progress;
 use anyhow::{Context, Result, bail};
-use bozzetto_core::disk::Disk;
 use bozzetto_core::mesh::{CompareOptions, compare};
-use bozzetto_core::session::open_model;
 use bozzetto_core::surface::Surface;
+use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Check a wavelet file: every checksum, the hash, its log, and that analysis inverts synthesis.
@@ -32,13 +33,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         bail!("{path}: only wavelet files can be verified; give a .boz file");
     }
     let progress = Progress::new("Verifying");
-    let (model, notes) = open_model(&Disk, &args.file, args.log.options())?;
-    if !model.complete {
-        bail!("{path} is incomplete: it ends before its end marker; get the rest of the file");
-    }
-    for note in notes {
-        eprintln!("note: {note}");
-    }
+    let model = load_complete(&args.file, args.log.options())?;
     progress.report(0.4);
     let surface = &model.surface;
     let finest = surface.scaling(surface.finest()).to_vec();
@@ -49,16 +44,20 @@ pub(super) fn run(args: &Args) -> Result<()> {
             "{path}: analysis of the synthesised surface gives other coefficients; report this as a defect"
         );
     }
-    println!("blocks       every checksum agrees");
-    println!("hash         {}", surface.hash());
-    println!("round trip   analysis of the synthesis gives the same coefficients, bit for bit");
+    let mut text = format!(
+        "blocks       every checksum agrees\n\
+         hash         {}\n\
+         round trip   analysis of the synthesis gives the same coefficients, bit for bit\n",
+        surface.hash()
+    );
     if let Some(mesh_path) = &args.against {
         let mesh = load_mesh(mesh_path, args.log.options())?;
         let ours = surface.to_mesh(surface.finest());
         let result =
             compare(&mesh, &ours, &CompareOptions::default(), &|share| progress.report(0.6 + 0.4 * share))
                 .with_context(|| mesh_path.display().to_string())?;
-        println!("distance     rms {:.3e}, max {:.3e} of the diagonal", result.rms, result.max);
+        writeln!(text, "distance     rms {:.3e}, max {:.3e} of the diagonal", result.rms, result.max)?;
     }
-    Ok(())
+    drop(progress);
+    output::print(&text)
 }

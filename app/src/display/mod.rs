@@ -9,5 +9,5 @@ mod vertices;
 
 pub use frame::Frame;
 pub use pick_tree::{Hit, PickTree};
-pub use overlay::{Influence, support_outline, tints};
+pub use overlay::{Influence, support_border, tints};
 pub use vertices::ShownVertices;

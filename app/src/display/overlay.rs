@@ -1,9 +1,7 @@
 //! Overlays that explain a coefficient: the tint of its influence and the outline of its support.
 
-use super::ShownVertices;
-use crate::render::Line;
 use bozzetto_core::edit::Kind;
-use bozzetto_core::hierarchy::{Level, Odd, PublicId, Slot};
+use bozzetto_core::hierarchy::{Layout, Level, Odd, PublicId, Slot};
 use bozzetto_core::surface::Surface;
 use rustc_hash::FxHashSet;
 
@@ -53,40 +51,32 @@ pub fn tints(influence: &Influence) -> Vec<(Slot, [u8; 4])> {
         .collect()
 }
 
-/// The outline of a support: the shown edges around the region where the influence is not zero.
-pub fn support_outline(
-    surface: &Surface,
-    shown: &ShownVertices,
-    influence: &Influence,
-    colour: [u8; 4],
-) -> Vec<Line> {
-    let layout = surface.hierarchy().layout(shown.level());
-    let inside: FxHashSet<u32> =
-        influence.values.iter().filter(|(_, x)| *x != 0.0).map(|(s, _)| s.0).collect();
-    let mut border: Vec<u32> = inside
-        .iter()
-        .flat_map(|&slot| layout.ring_slots(layout.site(Slot(slot))).map(|s| s.0).collect::<Vec<_>>())
-        .filter(|slot| !inside.contains(slot))
-        .collect();
+/// The outline of a support: the shown edges, as pairs of slots, around the region where the influence is not zero.
+/// Connectivity alone, so it holds however the surface moves. Cost: the support.
+pub fn support_border(layout: &Layout, influence: &Influence) -> Vec<[u32; 2]> {
+    let inside: FxHashSet<u32> = influence.values.iter().filter(|(_, x)| *x != 0.0).map(|(s, _)| s.0).collect();
+    let around = |slot: u32| {
+        let ring = layout.ring(layout.site(Slot(slot)));
+        let slots: Vec<u32> = ring.around.iter().map(|&s| layout.slot(s).0).collect();
+        (slots, ring.closed)
+    };
+    let mut border: Vec<u32> =
+        inside.iter().flat_map(|&slot| around(slot).0).filter(|slot| !inside.contains(slot)).collect();
     border.sort_unstable();
     border.dedup();
     let on_border: FxHashSet<u32> = border.iter().copied().collect();
-    let mut lines = Vec::new();
+    let mut edges = Vec::new();
     for &slot in &border {
-        let ring = layout.ring(layout.site(Slot(slot)));
-        let around: Vec<u32> = ring.around.iter().map(|&s| layout.slot(s).0).collect();
-        for (k, &next) in around.iter().enumerate() {
-            // An edge of the outline has the support on one side of it and lies on the border itself.
-            let beside = [
-                around.get(k + 1).or(around.first().filter(|_| ring.closed)),
-                if k > 0 { around.get(k - 1) } else { around.last().filter(|_| ring.closed) },
-            ];
-            let touches = beside.into_iter().flatten().any(|s| inside.contains(s));
-            if slot < next && on_border.contains(&next) && touches {
-                let at = |s: u32| shown.positions()[s as usize];
-                lines.push(Line { from: at(slot), to: at(next), color: colour, width: 2.0 });
+        let (ring, closed) = around(slot);
+        for (k, &next) in ring.iter().enumerate() {
+            // An edge of the outline has the support on one side and lies on the border itself.
+            let after = ring.get(k + 1).or(ring.first().filter(|_| closed));
+            let before = k.checked_sub(1).map_or(ring.last().filter(|_| closed), |k| ring.get(k));
+            let touches = [before, after].into_iter().flatten().any(|s| inside.contains(s));
+            if slot < next && touches && on_border.contains(&next) {
+                edges.push([slot, next]);
             }
         }
     }
-    lines
+    edges
 }

@@ -1,12 +1,264 @@
 //! The editor's window.
+//!
+//! A frame: take back finished work, turn keys into commands, let the panels and the picture show themselves and
+//! return commands, carry the commands out in one place, bring the renderer's buffers up to date. The window repaints
+//! only when something happens. The UI thread owns the session, except while a worker has it.
 
-use anyhow::Result;
-use std::path::PathBuf;
+mod chooser;
+pub mod command;
+mod dialog;
+mod document;
+mod execute;
+mod panels;
+mod scenery;
+mod settings;
+mod shortcuts;
+mod start;
+mod theme;
+mod tools;
+mod viewport;
+mod worker;
 
-/// Opens the window on a file, or on the sample.
-///
-/// # Errors
-/// There is no way to show a window.
-pub fn run(_file: Option<PathBuf>) -> Result<()> {
-    anyhow::bail!("no window yet")
+pub use chooser::{FileChooser, Purpose, SystemChooser};
+pub use document::{Document, Target};
+pub use settings::Settings;
+pub use start::{Start, run};
+
+use crate::render::{Camera, GpuError, Samples, Style, Viewport};
+use command::Command;
+use dialog::Dialog;
+use egui::Rect;
+use panels::{Banner, Seen};
+use scenery::Scenery;
+use tools::HandleTool;
+use viewport::{Picture, Turning};
+use worker::Work;
+
+/// Room for tools on the left, in points.
+const STRIP_WIDTH: f32 = 44.0;
+/// Room for the inspector on the right, in points.
+const INSPECTOR_WIDTH: f32 = 268.0;
+/// Height of the status bar, in points.
+const STATUS_HEIGHT: f32 = 28.0;
+/// Handles closer than this on the picture, in points, show only near the cursor.
+const CROWDED: f64 = 12.0;
+
+/// The program behind the window.
+pub struct Editor {
+    document: Option<Document>,
+    settings: Settings,
+    camera: Camera,
+    tool: HandleTool,
+    turning: Option<Turning>,
+    viewport: Viewport,
+    scenery: Scenery,
+    dialog: Option<Dialog>,
+    banner: Option<Banner>,
+    work: Option<Work>,
+    chooser: Box<dyn FileChooser>,
+    picture: Rect,
+    /// The camera is to be fitted once the picture's size is known.
+    refit: bool,
+    leaving: bool,
+    quit_after_work: bool,
+    title: String,
+}
+
+impl Editor {
+    /// An editor in a window, with the way to choose files and what to begin with.
+    ///
+    /// # Errors
+    /// The adapter cannot draw surfaces.
+    ///
+    /// # Panics
+    /// If eframe was not set up with wgpu.
+    pub fn new(
+        cc: &eframe::CreationContext<'_>,
+        samples: Samples,
+        chooser: Box<dyn FileChooser>,
+        start: Start,
+    ) -> Result<Self, GpuError> {
+        theme::apply(&cc.egui_ctx);
+        let state = cc.wgpu_render_state.as_ref().expect("the window draws with wgpu");
+        let mut editor = Self {
+            document: None,
+            settings: Settings::default(),
+            camera: Camera::default(),
+            tool: HandleTool::default(),
+            turning: None,
+            viewport: Viewport::new(state, samples)?,
+            scenery: Scenery::default(),
+            dialog: None,
+            banner: None,
+            work: None,
+            chooser,
+            picture: Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(968.0, 772.0)),
+            refit: false,
+            leaving: false,
+            quit_after_work: false,
+            title: String::new(),
+        };
+        match start {
+            Start::Empty => {}
+            Start::Session(session) => editor.show(*session, Vec::new()),
+            Start::File(path) => editor.open(&cc.egui_ctx, path),
+        }
+        Ok(editor)
+    }
+
+    /// The open surface; `None` while there is none or a worker has it.
+    pub fn document(&self) -> Option<&Document> {
+        self.document.as_ref()
+    }
+
+    /// The choices.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Where the surface is looked at from.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Where the picture lies in the window, in points.
+    pub fn picture(&self) -> Rect {
+        self.picture
+    }
+
+    /// The message shown, and whether it is about a failure.
+    pub fn message(&self) -> Option<(&str, bool)> {
+        self.banner.as_ref().map(|b| (b.text.as_str(), b.failed))
+    }
+
+    /// Whether work is under way.
+    pub fn is_working(&self) -> bool {
+        self.work.is_some()
+    }
+
+    fn panels(&mut self, ui: &mut egui::Ui) -> Vec<Command> {
+        let mut commands = Vec::new();
+        let seen = Seen {
+            document: self.document.as_ref(),
+            settings: &self.settings,
+            hint: self.tool.hint(),
+            work: self.work.as_ref(),
+            dialog: self.dialog.as_ref(),
+        };
+        let frame = egui::Frame::NONE.fill(ui.visuals().panel_fill);
+        egui::Panel::bottom("status")
+            .exact_size(STATUS_HEIGHT)
+            .frame(frame.inner_margin(egui::Margin::symmetric(12, 0)))
+            .show(ui, |ui| commands.extend(panels::status(ui, &seen)));
+        egui::Panel::left("strip")
+            .resizable(false)
+            .exact_size(STRIP_WIDTH)
+            .frame(frame.inner_margin(egui::Margin::symmetric(2, 0)))
+            .show(ui, |ui| commands.extend(panels::strip(ui, &seen)));
+        egui::Panel::right("inspector")
+            .resizable(false)
+            .exact_size(INSPECTOR_WIDTH)
+            .frame(frame.inner_margin(egui::Margin::symmetric(12, 4)))
+            .show(ui, |ui| {
+                egui::ScrollArea::vertical()
+                    .auto_shrink([false, false])
+                    .show(ui, |ui| commands.extend(panels::inspector(ui, &seen)));
+            });
+        commands.extend(panels::dialogs(ui.ctx(), &seen));
+        commands.extend(panels::banner(ui.ctx(), self.picture, self.banner.as_ref()));
+        commands
+    }
+
+    fn show_picture(&mut self, ui: &mut egui::Ui) -> Vec<Command> {
+        let closed = self.document.as_ref().is_some_and(|d| d.surface().hierarchy().base().boundary_loops() == 0);
+        let style = Style { shading: self.settings.shading, two_sided: !closed, ..Style::default() };
+        let picture = Picture {
+            document: self.document.as_ref(),
+            settings: &self.settings,
+            camera: &self.camera,
+            tool: &mut self.tool,
+            turning: &mut self.turning,
+            viewport: &self.viewport,
+            style,
+            listening: self.dialog.is_none() && self.work.is_none(),
+        };
+        let (rect, commands) = viewport::picture(ui, picture);
+        self.picture = rect;
+        commands
+    }
+
+    /// Brings the renderer's buffers up to date.
+    fn update_scenery(&mut self) {
+        let Some(document) = &self.document else { return };
+        let held = self.tool.target();
+        let level = self.settings.level;
+        let vertices = f64::from(document.surface().hierarchy().layout(level).len());
+        let size = self.picture_size();
+        let per_point = self.camera.world_per_pixel_at(document.sphere().center, size).max(1e-12);
+        // A ball's area shared out among the level's vertices.
+        let spacing = document.sphere().radius * (4.0 * std::f64::consts::PI / vertices).sqrt() / per_point;
+        let mut renderer = self.viewport.renderer();
+        let updated =
+            self.scenery.update(&mut renderer, document, &self.settings, held, spacing < CROWDED);
+        drop(renderer);
+        if let Err(error) = updated {
+            self.fail(error.to_string());
+        }
+    }
+
+    fn take_chosen_file(&mut self) {
+        if let Some(Some(chosen)) = self.chooser.answer()
+            && let Some(Dialog::Path { path, .. }) = &mut self.dialog
+        {
+            *path = chosen.to_string_lossy().into_owned();
+        }
+    }
+
+    fn update_title(&mut self, ctx: &egui::Context) {
+        let title = match &self.document {
+            Some(document) => format!("{} – Bozzetto", document.name()),
+            None if self.work.is_some() => return,
+            None => "Bozzetto".to_owned(),
+        };
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+}
+
+impl eframe::App for Editor {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        self.take_outcome(&ctx);
+        self.take_chosen_file();
+        let mut commands = Vec::new();
+        if self.dialog.is_none() && self.work.is_none() {
+            commands.extend(shortcuts::shortcuts(&ctx, &self.settings));
+        }
+        commands.extend(self.panels(ui));
+        commands.extend(egui::CentralPanel::no_frame().show(ui, |ui| self.show_picture(ui)).inner);
+        if std::mem::take(&mut self.refit) {
+            commands.push(Command::Fit);
+        }
+        if ctx.input(|i| i.viewport().close_requested()) && !self.leaving {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            commands.push(Command::Quit);
+        }
+        if !commands.is_empty() {
+            // Panels drawn above show the state before; show the one after.
+            ctx.request_repaint();
+        }
+        for command in commands {
+            self.execute(&ctx, command);
+        }
+        if self.work.is_some() {
+            ctx.request_repaint_after(std::time::Duration::from_millis(100));
+        }
+        self.update_scenery();
+        self.update_title(&ctx);
+        if let Some(failure) = self.viewport.take_failure() {
+            self.fail(failure.to_string());
+        }
+    }
 }

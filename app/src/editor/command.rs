@@ -1,0 +1,111 @@
+//! What panels and tools ask for. One place, `execute`, carries it out.
+
+use super::dialog::Dialog;
+use crate::render::{Shading, View};
+use bozzetto_core::conversion::ImportOptions;
+use bozzetto_core::edit::{Edit, Falloff, Kind};
+use bozzetto_core::hierarchy::PublicId;
+use glam::{DVec2, DVec3};
+use std::path::PathBuf;
+
+/// A request.
+#[derive(Debug, Clone)]
+pub enum Command {
+    // Documents
+    /// Shows a dialog.
+    Ask(Dialog),
+    /// Closes the dialog.
+    CloseDialog,
+    /// Shows the system's file dialog for the dialog's path field.
+    Browse,
+    /// Opens a wavelet file or mesh.
+    Open(PathBuf),
+    /// Imports a mesh as a new surface.
+    Import(PathBuf, Box<ImportOptions>),
+    /// Adds a save mark; asks for a name where there is none.
+    Save,
+    /// Saves under another name and goes on there.
+    SaveAs(PathBuf),
+    /// Writes one baked file.
+    SaveCopy(PathBuf),
+    /// Writes a level as a mesh.
+    Export(PathBuf, u8),
+    /// Closes the window, asking first if something is unsaved.
+    Quit,
+    /// Closes the window; the log keeps the edits.
+    QuitKeeping,
+    /// Closes the window and takes back everything since the last save.
+    QuitDiscarding,
+    /// Gives up the work under way.
+    CancelWork,
+    /// Takes the message away.
+    DismissBanner,
+
+    // Edits
+    /// Makes an edit.
+    Edit(Edit),
+    /// Undoes a step.
+    Undo,
+    /// Redoes a step.
+    Redo,
+    /// Goes to a place in the history.
+    GoTo(usize),
+    /// Begins dragging a coefficient.
+    BeginStroke {
+        /// The coefficient.
+        kind: Kind,
+        /// Its level.
+        level: u8,
+        /// Its id.
+        vertex: PublicId,
+    },
+    /// Moves the stroke to a delta, in drawing space.
+    DragTo(DVec3),
+    /// Ends the stroke.
+    EndStroke,
+    /// Takes the stroke back.
+    CancelStroke,
+
+    // What is worked on
+    /// Chooses scaling or wavelet coefficients.
+    SetKind(Kind),
+    /// Chooses the edited level.
+    SetLevel(u8),
+    /// Chooses the shown level.
+    SetShown(u8),
+    /// Chooses the reach of a move: 0 for one coefficient, else a fraction of the model's radius.
+    SetRadius(f64),
+    /// Chooses how a move fades.
+    SetFalloff(Falloff),
+    /// Selects a coefficient, or none.
+    Select(Option<PublicId>),
+
+    // What is seen
+    /// Looks from a named side.
+    Look(View),
+    /// Fits the surface into the picture.
+    Fit,
+    /// Turns the camera by points dragged.
+    Orbit(DVec2),
+    /// Slides the camera by points dragged.
+    Pan(DVec2),
+    /// Comes nearer (below 1) or goes away, towards a point of the picture.
+    Zoom(f64, DVec2),
+    /// Chooses the shading.
+    SetShading(Shading),
+    /// Switches an overlay.
+    Toggle(Overlay),
+}
+
+/// What can be drawn over the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Overlay {
+    /// The edited level's edges.
+    Edges,
+    /// Handles of coefficients.
+    Handles,
+    /// The control polyhedron.
+    Control,
+    /// Tint and outline of the selected coefficient's support.
+    Support,
+}

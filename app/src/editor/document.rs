@@ -1,0 +1,141 @@
+//! An open surface with what is shown of it.
+
+use crate::display::{Hit, PickTree, ShownVertices};
+use crate::render::{BoundingSphere, Ray};
+use bozzetto_core::edit::Kind;
+use bozzetto_core::hierarchy::{Level, Odd, PublicId, Slot};
+use bozzetto_core::session::Session;
+use bozzetto_core::surface::{Changes, Surface};
+use glam::DVec3;
+use std::ops::Range;
+
+/// A session, the shown level's vertices and the tree for picking, kept in step.
+#[derive(Debug)]
+pub struct Document {
+    /// The session.
+    pub session: Session,
+    vertices: ShownVertices,
+    tree: PickTree,
+    sphere: BoundingSphere,
+}
+
+/// A coefficient under the cursor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Target {
+    /// Scaling or wavelet.
+    pub kind: Kind,
+    /// Its level.
+    pub level: Level,
+    /// Its id.
+    pub vertex: PublicId,
+    /// Its vertex at the shown level.
+    pub slot: Slot,
+    /// Where that is drawn.
+    pub position: DVec3,
+    /// The surface's normal there.
+    pub normal: DVec3,
+    /// How far the vertex moves for a unit of the coefficient.
+    pub peak: f64,
+}
+
+impl Document {
+    /// A document that shows a level.
+    pub fn new(session: Session, shown: Level) -> Self {
+        let vertices = ShownVertices::new(session.surface(), shown);
+        let tree = PickTree::new(session.surface().hierarchy(), &vertices);
+        let sphere = BoundingSphere::of(vertices.positions());
+        Self { session, vertices, tree, sphere }
+    }
+
+    /// The surface.
+    pub fn surface(&self) -> &Surface {
+        self.session.surface()
+    }
+
+    /// The shown vertices.
+    pub fn vertices(&self) -> &ShownVertices {
+        &self.vertices
+    }
+
+    /// A ball around the model as it was when it was opened or last fitted.
+    pub fn sphere(&self) -> BoundingSphere {
+        self.sphere
+    }
+
+    /// Measures the ball anew. Linear in the shown vertices.
+    pub fn measure(&mut self) {
+        self.sphere = BoundingSphere::of(self.vertices.positions());
+    }
+
+    /// Shows another level. Linear in its vertices.
+    pub fn show(&mut self, level: Level) {
+        self.vertices = ShownVertices::new(self.session.surface(), level);
+        self.tree = PickTree::new(self.session.surface().hierarchy(), &self.vertices);
+    }
+
+    /// Follows an edit; the runs of slots to upload. Cost: what it moved.
+    pub fn follow(&mut self, changes: &Changes) -> Vec<Range<u32>> {
+        let Some(moved) = changes.moved.get(self.vertices.level().index()) else { return Vec::new() };
+        let surface = self.session.surface();
+        let runs = self.vertices.follow(surface, moved);
+        self.tree.follow(surface, &self.vertices, moved);
+        runs
+    }
+
+    /// The shown surface under a ray.
+    pub fn pick(&self, ray: &Ray) -> Option<Hit> {
+        self.tree.pick(self.surface().hierarchy(), &self.vertices, ray)
+    }
+
+    /// The coefficient of a kind and level nearest to a hit.
+    pub fn target_at(&self, hit: &Hit, kind: Kind, level: Level) -> Target {
+        let hierarchy = self.surface().hierarchy();
+        let vertex = match kind {
+            Kind::Scaling => {
+                let layout = hierarchy.layout(level);
+                layout.public_id(layout.site(hit.nearest_vertex(hierarchy, level)))
+            }
+            Kind::Wavelet => self.surface().wavelet_id(level, hit.nearest_odd(hierarchy, level)),
+        };
+        self.target(kind, level, vertex).expect("picked coefficients exist")
+    }
+
+    /// A coefficient by its id, if it exists and the shown level has its vertex.
+    pub fn target(&self, kind: Kind, level: Level, vertex: PublicId) -> Option<Target> {
+        let hierarchy = self.surface().hierarchy();
+        let shown = self.vertices.level();
+        let layout = hierarchy.layout(level);
+        let (home, range) = match kind {
+            Kind::Scaling => (level, 0..layout.len()),
+            Kind::Wavelet if level < hierarchy.finest() => {
+                (level.finer(), layout.len()..layout.len() + layout.odd_len())
+            }
+            Kind::Wavelet => return None,
+        };
+        if !range.contains(&vertex.0) || shown < home {
+            return None;
+        }
+        let home_layout = hierarchy.layout(home);
+        let slot = hierarchy.refine_slot(home, shown, home_layout.slot(home_layout.site_of(vertex)));
+        let peak = match kind {
+            Kind::Scaling => 1.0,
+            Kind::Wavelet => self.surface().wavelet_peak(level, Odd(vertex.0 - layout.len())),
+        };
+        let at = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+        Some(Target {
+            kind,
+            level,
+            vertex,
+            slot,
+            position: at(self.vertices.positions()[slot.index()]),
+            normal: at(self.vertices.normals()[slot.index()]),
+            peak,
+        })
+    }
+
+    /// The document's name for the title: the file's, or what it was made from.
+    pub fn name(&self) -> String {
+        let from_path = self.session.path().and_then(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned());
+        from_path.or_else(|| self.session.metadata().source.clone()).unwrap_or_else(|| "Untitled".to_owned())
+    }
+}

@@ -1,0 +1,386 @@
+//! The one place where commands are carried out.
+
+use super::Editor;
+use super::chooser::Purpose;
+use super::command::Command;
+use super::dialog::{Dialog, PathTask};
+use super::document::Document;
+use super::panels::Banner;
+use super::viewport::orbit_angles;
+use super::worker::{Done, Outcome, Work};
+use crate::opening;
+use crate::render::BoundingSphere;
+use bozzetto_core::conversion::{ImportOptions, Remesh};
+use bozzetto_core::disk::{Disk, Vfs};
+use bozzetto_core::edit::{Edit, Move};
+use bozzetto_core::hierarchy::Level;
+use bozzetto_core::io::{MeshFormat, write_mesh};
+use bozzetto_core::session::{OpenOptions, Opened, Session};
+use bozzetto_core::surface::Changes;
+use glam::DVec2;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Surfaces with more vertices do whole-level work away from the window.
+const LONG_WORK: u32 = 100_000;
+
+impl Editor {
+    /// Carries out a command. `picture` is the picture's size in points.
+    pub(super) fn execute(&mut self, ctx: &egui::Context, command: Command) {
+        match command {
+            Command::Ask(dialog) => self.dialog = Some(dialog),
+            Command::CloseDialog => self.dialog = None,
+            Command::Browse => {
+                if let Some(Dialog::Path { task, .. }) = &self.dialog {
+                    let purpose: Purpose = task.purpose();
+                    self.chooser.ask(purpose, ctx);
+                }
+            }
+            Command::Open(path) => self.open(ctx, path),
+            Command::Import(path, options) => self.import(ctx, path, *options),
+            Command::Save => self.save(),
+            Command::SaveAs(path) => self.save_as(ctx, path),
+            Command::SaveCopy(path) => self.save_copy(ctx, path),
+            Command::Export(path, level) => self.export(ctx, path, level),
+            Command::Quit => self.quit(ctx),
+            Command::QuitKeeping => self.leave(ctx, Leaving::Keeping),
+            Command::QuitDiscarding => self.leave(ctx, Leaving::Discarding),
+            Command::CancelWork => self.cancel_work(),
+            Command::DismissBanner => self.banner = None,
+            Command::Edit(edit) => self.edit(ctx, edit),
+            Command::Undo => self.step(ctx, "Undoing", Session::undo),
+            Command::Redo => self.step(ctx, "Redoing", Session::redo),
+            Command::GoTo(steps) => self.step(ctx, "Going through the history", move |s| s.go_to(steps)),
+            Command::BeginStroke { .. } | Command::DragTo(_) | Command::EndStroke | Command::CancelStroke => {
+                self.stroke(command);
+            }
+            Command::SetKind(_) | Command::SetLevel(_) | Command::SetShown(_) => self.choose_level(&command),
+            Command::SetRadius(radius) => self.settings.radius = radius,
+            Command::SetFalloff(falloff) => self.settings.falloff = falloff,
+            Command::Select(vertex) => self.settings.selected = vertex,
+            Command::SetShading(shading) => self.settings.shading = shading,
+            Command::Toggle(overlay) => self.settings.toggle(overlay),
+            Command::Look(_) | Command::Fit | Command::Orbit(_) | Command::Pan(_) | Command::Zoom(..) => {
+                self.look(&command);
+            }
+        }
+    }
+
+    fn look(&mut self, command: &Command) {
+        let size = self.picture_size();
+        let aspect = size.x / size.y.max(1.0);
+        match *command {
+            Command::Look(view) => {
+                let sphere = BoundingSphere { center: self.camera.target, radius: 1.0 };
+                let turned = view.camera(sphere, aspect);
+                (self.camera.yaw, self.camera.pitch) = (turned.yaw, turned.pitch);
+            }
+            Command::Fit => {
+                if let Some(document) = &mut self.document {
+                    document.measure();
+                    self.camera.fit(document.sphere(), aspect);
+                }
+            }
+            Command::Orbit(points) => {
+                let angles = orbit_angles(points);
+                self.camera.orbit(angles.x, angles.y);
+            }
+            Command::Pan(points) => self.camera.pan(points, size),
+            Command::Zoom(factor, at) => self.camera.zoom_at(factor, at, size),
+            _ => {}
+        }
+    }
+
+    fn choose_level(&mut self, command: &Command) {
+        let Some(document) = &mut self.document else { return };
+        let finest = document.surface().finest();
+        let before = (self.settings.kind, self.settings.level);
+        match *command {
+            Command::SetKind(kind) => self.settings.kind = kind,
+            Command::SetLevel(level) => self.settings.level = Level(level),
+            Command::SetShown(level) => {
+                self.settings.shown = Level(level);
+                // A coarser picture than the edited level makes the edited level give way, not the picture.
+                let edited = if self.settings.kind == bozzetto_core::edit::Kind::Wavelet {
+                    level.saturating_sub(1)
+                } else {
+                    level
+                };
+                self.settings.level = self.settings.level.min(Level(edited));
+            }
+            _ => {}
+        }
+        let note = self.settings.settle(finest);
+        if let Some(text) = note {
+            self.banner = Some(Banner { text, failed: false });
+        }
+        if before != (self.settings.kind, self.settings.level) {
+            self.settings.selected = None;
+        }
+        if document.vertices().level() != self.settings.shown {
+            document.show(self.settings.shown);
+            self.scenery.replace_surface();
+        }
+    }
+
+    // ---- edits --------------------------------------------------------------------------------------------
+
+    fn stroke(&mut self, command: Command) {
+        let Some(document) = &mut self.document else { return };
+        let session = &mut document.session;
+        let result = match command {
+            Command::BeginStroke { kind, level, vertex } => {
+                let reach = self.settings.radius * document.sphere().radius;
+                let (radius, falloff) =
+                    if reach > 0.0 { (Some(reach), Some(self.settings.falloff)) } else { (None, None) };
+                let edit = Move { kind, level, vertex: vertex.0, delta: [0.0; 3], radius, falloff, v: 1 };
+                document.session.begin_stroke(edit).map(|()| Changes::default())
+            }
+            Command::DragTo(drawn) => {
+                let model = document.vertices().frame().turn_back(drawn).to_array();
+                document.session.drag_to(model)
+            }
+            Command::EndStroke => {
+                session.end_stroke();
+                Ok(Changes::default())
+            }
+            _ => Ok(session.cancel_stroke()),
+        };
+        match result {
+            Ok(changes) => self.follow(&changes),
+            Err(error) => self.fail(error.to_string()),
+        }
+    }
+
+    fn edit(&mut self, ctx: &egui::Context, edit: Edit) {
+        self.on_session(ctx, edit.to_string(), move |session| {
+            session.edit(edit).map(Some).map_err(|e| e.to_string())
+        });
+    }
+
+    fn step(
+        &mut self,
+        ctx: &egui::Context,
+        title: &str,
+        step: impl FnOnce(&mut Session) -> Option<Changes> + Send + 'static,
+    ) {
+        self.on_session(ctx, title.to_owned(), move |session| Ok(step(session)));
+    }
+
+    /// Does work on the session here, or away from the window if the surface is large.
+    fn on_session(
+        &mut self,
+        ctx: &egui::Context,
+        title: String,
+        work: impl FnOnce(&mut Session) -> Result<Option<Changes>, String> + Send + 'static,
+    ) {
+        let Some(document) = &mut self.document else { return };
+        let surface = document.surface();
+        if surface.hierarchy().layout(surface.finest()).len() <= LONG_WORK {
+            match work(&mut document.session) {
+                Ok(Some(changes)) => self.follow(&changes),
+                Ok(None) => {}
+                Err(sentence) => self.fail(sentence),
+            }
+            return;
+        }
+        self.send_session(ctx, title, move |session| work(session).map(Done::Changed));
+    }
+
+    /// Moves the session to a worker; it comes back with the outcome.
+    fn send_session(
+        &mut self,
+        ctx: &egui::Context,
+        title: String,
+        work: impl FnOnce(&mut Session) -> Result<Done, String> + Send + 'static,
+    ) {
+        if let Some(document) = self.document.take() {
+            self.work = Some(Work::on_session(ctx.clone(), title, document.session, move |session, _| work(session)));
+        }
+    }
+
+    fn follow(&mut self, changes: &Changes) {
+        if let Some(document) = &mut self.document {
+            let runs = document.follow(changes);
+            self.scenery.moved(runs);
+            if let Some(failure) = document.session.journal_failure() {
+                self.fail(format!("Edits no longer reach the log ({failure}); save under another name"));
+            }
+        }
+    }
+
+    // ---- documents ----------------------------------------------------------------------------------------
+
+    pub(super) fn open(&mut self, ctx: &egui::Context, path: PathBuf) {
+        if !opening::is_wavelet_file(&path) {
+            let options = ImportOptions { remesh: Remesh::Never, ..ImportOptions::default() };
+            self.import(ctx, path, options);
+            return;
+        }
+        if self.document.as_ref().is_some_and(|d| d.session.path() == Some(&path)) {
+            return;
+        }
+        self.work = Some(Work::opening(ctx.clone(), format!("Opening {}", shown_name(&path)), move |share| {
+            let report = |done| share.report(done);
+            let opened = Session::open(Arc::new(Disk), &path, OpenOptions::default(), &report);
+            opened.map(|Opened { session, notes }| (session, notes)).map_err(|e| e.to_string())
+        }));
+    }
+
+    fn import(&mut self, ctx: &egui::Context, path: PathBuf, options: ImportOptions) {
+        self.work = Some(Work::opening(ctx.clone(), format!("Importing {}", shown_name(&path)), move |share| {
+            share.report(0.1);
+            let (_, imported) = opening::import_file(&path, &options).map_err(|e| format!("{e:#}"))?;
+            share.report(0.8);
+            let mut notes = imported.cleaned.clone();
+            if imported.surface.finest() == Level::BASE {
+                notes.push("This mesh has no subdivision connectivity, so it has one level only".into());
+            }
+            Ok((Session::new(Arc::new(Disk), opening::model_of(&path, imported)), notes))
+        }));
+    }
+
+    fn save(&mut self) {
+        let Some(document) = &mut self.document else { return };
+        if document.session.path().is_none() {
+            self.dialog = Some(PathTask::SaveAs.dialog());
+            return;
+        }
+        if let Err(error) = document.session.save() {
+            self.fail(error.to_string());
+        }
+    }
+
+    fn save_as(&mut self, ctx: &egui::Context, path: PathBuf) {
+        let title = format!("Saving {}", shown_name(&path));
+        self.send_session(ctx, title, move |session| {
+            session.save_as(&path).map_err(|e| e.to_string())?;
+            Ok(Done::Wrote(format!("Saved as {}", session.path().unwrap_or(&path).display())))
+        });
+    }
+
+    fn save_copy(&mut self, ctx: &egui::Context, path: PathBuf) {
+        let title = format!("Writing {}", shown_name(&path));
+        self.send_session(ctx, title, move |session| {
+            let path = if opening::is_wavelet_file(&path) { path } else { path.with_added_extension("boz") };
+            session.save_copy(&path).map_err(|e| e.to_string())?;
+            Ok(Done::Wrote(format!("A copy is in {}", path.display())))
+        });
+    }
+
+    fn export(&mut self, ctx: &egui::Context, path: PathBuf, level: u8) {
+        let title = format!("Writing {}", shown_name(&path));
+        self.send_session(ctx, title, move |session| {
+            let format = MeshFormat::from_path(&path).ok_or_else(|| {
+                format!("{}: the format is not known; use .obj, .ply, .stl, .glb or .off", path.display())
+            })?;
+            let mut bytes = Vec::new();
+            let surface = session.surface();
+            let mesh = surface.to_mesh(Level(level).min(surface.finest()));
+            write_mesh(&mesh, format, &mut bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+            Disk.replace(&path, &bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+            Ok(Done::Wrote(format!("Level {level} is in {}", path.display())))
+        });
+    }
+
+    /// Shows a surface just opened.
+    pub(super) fn show(&mut self, session: Session, notes: Vec<String>) {
+        self.settings.for_surface(session.surface().finest());
+        let document = Document::new(session, self.settings.shown);
+        let size = self.picture_size();
+        let view = crate::render::View::default();
+        self.camera = view.camera(document.sphere(), size.x / size.y.max(1.0));
+        self.refit = true;
+        self.document = Some(document);
+        self.scenery.replace_surface();
+        self.tool = Default::default();
+        self.banner = (!notes.is_empty()).then(|| Banner { text: notes.join("\n"), failed: false });
+    }
+
+    /// Takes back what work came back with.
+    pub(super) fn take_outcome(&mut self, ctx: &egui::Context) {
+        let Some(outcome) = self.work.as_ref().and_then(Work::poll) else { return };
+        self.work = None;
+        match outcome {
+            Outcome::Opened(session, notes) => self.show(*session, notes),
+            Outcome::Failed(sentence) => self.fail(sentence),
+            Outcome::Returned(session, done) => {
+                self.document = Some(Document::new(*session, self.settings.shown));
+                match done {
+                    Ok(Done::Changed(changes)) => {
+                        if changes.is_some() {
+                            self.scenery.replace_surface();
+                        }
+                    }
+                    Ok(Done::Wrote(text)) => {
+                        self.banner = Some(Banner { text, failed: false });
+                        if self.quit_after_work {
+                            self.leave(ctx, Leaving::Keeping);
+                        }
+                    }
+                    Err(sentence) => {
+                        self.scenery.replace_surface();
+                        self.fail(sentence);
+                    }
+                }
+            }
+        }
+    }
+
+    fn cancel_work(&mut self) {
+        if let Some(work) = &self.work {
+            work.cancel();
+            if !work.holds_session {
+                self.work = None;
+            }
+        }
+    }
+
+    // ---- closing ------------------------------------------------------------------------------------------
+
+    fn quit(&mut self, ctx: &egui::Context) {
+        let unsaved = self.document.as_ref().is_some_and(|document| {
+            let session = &document.session;
+            if session.path().is_some() { session.is_unsaved() } else { session.history_len() > 0 }
+        });
+        if unsaved {
+            self.dialog = Some(Dialog::Closing);
+        } else {
+            self.leave(ctx, Leaving::Keeping);
+        }
+    }
+
+    fn leave(&mut self, ctx: &egui::Context, leaving: Leaving) {
+        self.dialog = None;
+        self.leaving = true;
+        if let Some(document) = self.document.take() {
+            let closed = match leaving {
+                Leaving::Discarding => document.session.discard(),
+                Leaving::Keeping => document.session.close(),
+            };
+            if let Err(failure) = closed {
+                tracing::error!("the log is not on disk: {failure}");
+            }
+        }
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+    }
+
+    pub(super) fn fail(&mut self, text: String) {
+        self.banner = Some(Banner { text, failed: true });
+    }
+
+    pub(super) fn picture_size(&self) -> DVec2 {
+        let size = self.picture.size();
+        DVec2::new(f64::from(size.x.max(1.0)), f64::from(size.y.max(1.0)))
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Leaving {
+    Keeping,
+    Discarding,
+}
+
+fn shown_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

@@ -1,0 +1,164 @@
+//! Dialogs over the window.
+
+use super::Seen;
+use crate::editor::command::Command;
+use crate::editor::dialog::{Dialog, PathTask};
+use crate::editor::theme;
+use bozzetto_core::conversion::{ImportOptions, Remesh};
+use bozzetto_core::wavelet::Wavelet;
+use std::path::PathBuf;
+
+/// Draws the open dialog, if there is one.
+pub(crate) fn dialogs(ctx: &egui::Context, seen: &Seen<'_>) -> Vec<Command> {
+    let mut commands = Vec::new();
+    let Some(dialog) = seen.dialog else { return commands };
+    let shown = egui::Modal::new(egui::Id::unique("dialog")).show(ctx, |ui| {
+        ui.set_width(if matches!(dialog, Dialog::Keys) { 380.0 } else { 460.0 });
+        match dialog {
+            Dialog::Path { task, path } => path_dialog(ui, *task, path, seen, &mut commands),
+            Dialog::Closing => closing(ui, seen, &mut commands),
+            Dialog::Keys => keys(ui, &mut commands),
+        }
+    });
+    if shown.should_close() {
+        commands.push(Command::CloseDialog);
+    }
+    commands
+}
+
+fn path_dialog(ui: &mut egui::Ui, task: PathTask, path: &str, seen: &Seen<'_>, commands: &mut Vec<Command>) {
+    let (title, verb) = task.words();
+    ui.heading(title);
+    ui.add_space(6.0);
+    let mut edited = path.to_owned();
+    let mut task_now = task;
+    let field = ui
+        .horizontal(|ui| {
+            let field = ui.add(egui::TextEdit::singleline(&mut edited).desired_width(340.0).hint_text("path"));
+            field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
+            if ui.button("Browse…").clicked() {
+                commands.push(Command::Browse);
+            }
+            field
+        })
+        .inner;
+    let confirmed = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+    if path.is_empty() && !field.has_focus() && !confirmed {
+        field.request_focus();
+    }
+    ui.add_space(4.0);
+    match &mut task_now {
+        PathTask::Import { wavelet, own_base } => {
+            ui.horizontal(|ui| {
+                ui.label("wavelet");
+                for kind in Wavelet::ALL {
+                    ui.selectable_value(wavelet, kind, kind.to_string());
+                }
+            });
+            ui.checkbox(own_base, "take a mesh without subdivision connectivity as it is");
+        }
+        PathTask::Export { level } => {
+            let finest = seen.document.map_or(0, |d| d.surface().finest().0);
+            ui.add(egui::Slider::new(level, 0..=finest).text("level"));
+        }
+        PathTask::SaveAs => {
+            ui.colored_label(theme::FAINT, "The wavelet file and its log; the history goes along.");
+        }
+        PathTask::SaveCopy => {
+            ui.colored_label(theme::FAINT, "One wavelet file as the surface is now, without history.");
+        }
+        PathTask::Open => {}
+    }
+    if edited != path || task_now != task {
+        commands.push(Command::Ask(Dialog::Path { task: task_now, path: edited.clone() }));
+    }
+    ui.add_space(8.0);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let ready = !edited.trim().is_empty();
+        if (ui.add_enabled(ready, egui::Button::new(verb).fill(theme::ACCENT)).clicked() || confirmed) && ready {
+            commands.push(Command::CloseDialog);
+            commands.push(command(task_now, PathBuf::from(edited.trim())));
+        }
+        if ui.button("Cancel").clicked() {
+            commands.push(Command::CloseDialog);
+        }
+    });
+}
+
+fn command(task: PathTask, path: PathBuf) -> Command {
+    match task {
+        PathTask::Open => Command::Open(path),
+        PathTask::Import { wavelet, own_base } => {
+            let remesh = if own_base { Remesh::Never } else { Remesh::Auto };
+            Command::Import(path, Box::new(ImportOptions { wavelet, remesh, ..ImportOptions::default() }))
+        }
+        PathTask::SaveAs => Command::SaveAs(path),
+        PathTask::SaveCopy => Command::SaveCopy(path),
+        PathTask::Export { level } => Command::Export(path, level),
+    }
+}
+
+fn closing(ui: &mut egui::Ui, seen: &Seen<'_>, commands: &mut Vec<Command>) {
+    ui.heading("Close with unsaved edits?");
+    ui.add_space(4.0);
+    let has_file = seen.document.is_some_and(|d| d.session.path().is_some());
+    ui.label(if has_file {
+        "Keep leaves the edits in the log, as they are now. Discard goes back to the last save."
+    } else {
+        "This surface has no file yet. Save it, or discard its edits for good."
+    });
+    ui.add_space(8.0);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        if has_file {
+            if ui.add(egui::Button::new("Keep edits").fill(theme::ACCENT)).clicked() {
+                commands.push(Command::QuitKeeping);
+            }
+        } else if ui.add(egui::Button::new("Save as…").fill(theme::ACCENT)).clicked() {
+            commands.push(Command::Ask(PathTask::SaveAs.dialog()));
+        }
+        if ui.button("Discard edits").clicked() {
+            commands.push(Command::QuitDiscarding);
+        }
+        if ui.button("Cancel").clicked() {
+            commands.push(Command::CloseDialog);
+        }
+    });
+}
+
+/// Keys and what they do.
+const KEYS: [(&str, &str); 16] = [
+    ("Left drag on the surface", "move the nearest coefficient"),
+    ("Left drag beside it", "orbit"),
+    ("Middle drag, Alt + left drag", "orbit"),
+    ("Right drag, Shift + middle drag", "pan"),
+    ("Wheel", "zoom to the cursor"),
+    ("Ctrl while dragging", "along the normal"),
+    ("X Y Z while dragging", "keep to an axis"),
+    ("B while dragging", "show the state before"),
+    ("Esc while dragging", "take the drag back"),
+    ("D, Page Up", "edit the next finer level"),
+    ("Shift + D, Page Down", "edit the next coarser level"),
+    ("W", "scaling or wavelet coefficients"),
+    ("1 3 7 .", "front, right, top, fit"),
+    ("Ctrl + Z", "undo"),
+    ("Ctrl + Shift + Z, Ctrl + Y", "redo"),
+    ("Ctrl + O, S, Shift + S", "open, save, save as"),
+];
+
+fn keys(ui: &mut egui::Ui, commands: &mut Vec<Command>) {
+    ui.heading("Keys and mouse");
+    ui.add_space(6.0);
+    egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
+        for (key, does) in KEYS {
+            ui.strong(key);
+            ui.label(does);
+            ui.end_row();
+        }
+    });
+    ui.add_space(8.0);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        if ui.button("Close").clicked() {
+            commands.push(Command::CloseDialog);
+        }
+    });
+}

@@ -1,0 +1,40 @@
+//! Panels: they see egui and a read-only view of the editor, and return commands.
+
+mod banner;
+mod dialogs;
+mod inspector;
+mod status;
+mod strip;
+
+pub(super) use banner::{Banner, banner};
+pub(super) use dialogs::dialogs;
+pub(super) use inspector::inspector;
+pub(super) use status::status;
+pub(super) use strip::strip;
+
+use super::dialog::Dialog;
+use super::document::Document;
+use super::settings::Settings;
+use super::worker::Work;
+
+/// What panels may look at.
+pub(super) struct Seen<'a> {
+    /// The open surface; away while work holds it.
+    pub document: Option<&'a Document>,
+    /// The choices.
+    pub settings: &'a Settings,
+    /// The hint for the hand.
+    pub hint: String,
+    /// Work under way.
+    pub work: Option<&'a Work>,
+    /// The open dialog.
+    pub dialog: Option<&'a Dialog>,
+}
+
+/// A button that is an icon, with a name for people who cannot see it and a tip for those who can.
+fn icon_button(ui: &mut egui::Ui, enabled: bool, icon: lucide_icons::Icon, name: &str, tip: &str) -> bool {
+    let button = egui::Button::new(super::theme::icon(icon, 17.0)).min_size(egui::vec2(34.0, 32.0)).frame(false);
+    let response = ui.add_enabled(enabled, button).on_hover_text(tip).on_disabled_hover_text(tip);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, name));
+    response.clicked()
+}

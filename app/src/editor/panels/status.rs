@@ -1,0 +1,34 @@
+//! The status bar: what the mouse does now, the counts, work under way.
+
+use super::Seen;
+use super::inspector::grouped;
+use crate::editor::command::Command;
+use crate::editor::theme;
+
+/// Draws the bar.
+pub(crate) fn status(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
+    let mut commands = Vec::new();
+    ui.horizontal_centered(|ui| {
+        if let Some(work) = seen.work {
+            ui.label(&work.title);
+            ui.add(egui::ProgressBar::new(work.done()).desired_width(160.0).show_percentage());
+            if ui.small_button("Cancel").clicked() {
+                commands.push(Command::CancelWork);
+            }
+        } else {
+            ui.colored_label(theme::FAINT, &seen.hint);
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if let Some(document) = seen.document {
+                let hierarchy = document.surface().hierarchy();
+                let shown = seen.settings.shown;
+                let vertices = grouped(u64::from(hierarchy.layout(shown).len()));
+                let faces = grouped(hierarchy.face_count(shown));
+                ui.label(format!("{vertices} vertices, {faces} faces at level {shown}"));
+                let mark = if document.session.is_unsaved() { " •" } else { "" };
+                ui.colored_label(theme::FAINT, format!("{}{mark}", document.name()));
+            }
+        });
+    });
+    commands
+}

@@ -1,0 +1,69 @@
+//! Opening the window.
+
+use super::Editor;
+use super::chooser::SystemChooser;
+use crate::render::{Gpu, Samples, device_descriptor};
+use anyhow::{Context, Result, anyhow};
+use bozzetto_core::disk::Disk;
+use bozzetto_core::file::decode;
+use bozzetto_core::session::Session;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The sample that opens when no file is named.
+const SAMPLE: &[u8] = include_bytes!("../../../assets/head.boz");
+
+/// What the editor begins with.
+pub enum Start {
+    /// No surface.
+    Empty,
+    /// A surface already open.
+    Session(Box<Session>),
+    /// A wavelet file or mesh to open.
+    File(PathBuf),
+}
+
+impl Start {
+    /// The sample, as a surface without a file.
+    ///
+    /// # Errors
+    /// The sample is damaged.
+    pub fn sample() -> Result<Self> {
+        let model = decode(SAMPLE, Path::new("head.boz"))?;
+        Ok(Self::Session(Box::new(Session::new(Arc::new(Disk), model))))
+    }
+}
+
+/// Opens the window on a file, or on the sample, and returns when it is closed.
+///
+/// # Errors
+/// The file does not exist, or there is no display or no way to draw; one sentence says what to install.
+pub fn run(file: Option<PathBuf>) -> Result<()> {
+    let start = match file {
+        Some(path) => {
+            // A name mistyped on the command line is told there, not in a window.
+            std::fs::metadata(&path).with_context(|| path.display().to_string())?;
+            Start::File(path)
+        }
+        None => Start::sample()?,
+    };
+    // The window's own messages about missing drivers say less than these.
+    Gpu::headless()?;
+    let mut options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("Bozzetto")
+            .with_app_id("bozzetto")
+            .with_inner_size([1280.0, 800.0])
+            .with_min_inner_size([820.0, 520.0]),
+        ..Default::default()
+    };
+    if let egui_wgpu::WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
+        setup.device_descriptor = Arc::new(device_descriptor);
+    }
+    let editor = |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
+        Ok(Box::new(Editor::new(cc, Samples::Four, Box::new(SystemChooser::default()), start)?))
+    };
+    eframe::run_native("Bozzetto", options, Box::new(editor)).map_err(|error| {
+        anyhow!("there is no window to show ({error}); start it in a desktop session, or use `bozzetto render`")
+    })
+}

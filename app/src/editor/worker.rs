@@ -1,0 +1,134 @@
+//! Long work away from the window: with progress, Cancel, and panics contained.
+
+use bozzetto_core::session::Session;
+use bozzetto_core::surface::Changes;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+/// How far the work is, and whether it should stop.
+#[derive(Debug, Default)]
+pub(super) struct Share {
+    thousandths: AtomicU32,
+    cancelled: AtomicBool,
+}
+
+impl Share {
+    /// Says how far the work is, from 0 to 1; returns whether to go on.
+    pub(super) fn report(&self, share: f32) -> bool {
+        self.thousandths.store((share * 1000.0) as u32, Ordering::Relaxed);
+        !self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// How far the work is, from 0 to 1.
+    pub(super) fn done(&self) -> f32 {
+        self.thousandths.load(Ordering::Relaxed) as f32 / 1000.0
+    }
+}
+
+/// What work comes back with.
+#[derive(Debug)]
+pub(super) enum Outcome {
+    /// A surface was opened, with what its user should know.
+    Opened(Box<Session>, Vec<String>),
+    /// A session comes back from work on it: what moved, or what went wrong.
+    Returned(Box<Session>, Result<Done, String>),
+    /// Something went wrong; nothing has changed.
+    Failed(String),
+}
+
+/// What work on a session did.
+#[derive(Debug)]
+pub(super) enum Done {
+    /// It changed the surface.
+    Changed(Option<Changes>),
+    /// It wrote a file; a sentence about it.
+    Wrote(String),
+}
+
+/// Work under way.
+#[derive(Debug)]
+pub(super) struct Work {
+    /// What it is, for people.
+    pub title: String,
+    share: Arc<Share>,
+    outcome: Receiver<Outcome>,
+    /// Whether it holds the session; then Cancel has to wait for it.
+    pub holds_session: bool,
+}
+
+impl Work {
+    /// Starts work that makes a session.
+    pub(super) fn opening(
+        wake: egui::Context,
+        title: String,
+        work: impl FnOnce(&Share) -> Result<(Session, Vec<String>), String> + Send + 'static,
+    ) -> Self {
+        Self::start(wake, title, false, move |share| match catch_unwind(AssertUnwindSafe(|| work(share))) {
+            Ok(Ok((session, notes))) => Outcome::Opened(Box::new(session), notes),
+            Ok(Err(sentence)) => Outcome::Failed(sentence),
+            Err(panic) => Outcome::Failed(went_wrong(&panic)),
+        })
+    }
+
+    /// Starts work on a session, which comes back whatever happens.
+    pub(super) fn on_session(
+        wake: egui::Context,
+        title: String,
+        mut session: Session,
+        work: impl FnOnce(&mut Session, &Share) -> Result<Done, String> + Send + 'static,
+    ) -> Self {
+        Self::start(wake, title, true, move |share| {
+            let done = catch_unwind(AssertUnwindSafe(|| work(&mut session, share)))
+                .unwrap_or_else(|panic| Err(went_wrong(&panic)));
+            Outcome::Returned(Box::new(session), done)
+        })
+    }
+
+    fn start(
+        wake: egui::Context,
+        title: String,
+        holds_session: bool,
+        work: impl FnOnce(&Share) -> Outcome + Send + 'static,
+    ) -> Self {
+        let share = Arc::new(Share::default());
+        let (sender, outcome) = channel();
+        let shared = share.clone();
+        std::thread::spawn(move || {
+            let outcome = work(&shared);
+            // Nobody listens any more if the work was given up.
+            let _ = sender.send(outcome);
+            wake.request_repaint();
+        });
+        Self { title, share, outcome, holds_session }
+    }
+
+    /// How far it is, from 0 to 1.
+    pub(super) fn done(&self) -> f32 {
+        self.share.done()
+    }
+
+    /// Asks it to stop.
+    pub(super) fn cancel(&self) {
+        self.share.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// What it came back with, if it has.
+    pub(super) fn poll(&self) -> Option<Outcome> {
+        match self.outcome.try_recv() {
+            Ok(outcome) => Some(outcome),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(Outcome::Failed("The work ended without a result".into())),
+        }
+    }
+}
+
+fn went_wrong(panic: &Box<dyn std::any::Any + Send>) -> String {
+    let why = panic
+        .downcast_ref::<String>()
+        .map(String::as_str)
+        .or_else(|| panic.downcast_ref::<&str>().copied())
+        .unwrap_or("no reason given");
+    format!("An error inside Bozzetto stopped this ({why}); please report it")
+}
