@@ -34,6 +34,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     let progress = Progress::new("Verifying");
     let model = load_complete(&args.file, args.log.options())?;
+    if model.tail_cut {
+        bail!("{path}: the surface is whole, but the file was cut short after it; restore it from a copy");
+    }
     progress.report(0.4);
     let surface = &model.surface;
     let finest = surface.scaling(surface.finest()).to_vec();

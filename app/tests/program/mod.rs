@@ -65,20 +65,20 @@ impl Workplace {
 
     /// Runs the program with additional environment variables.
     pub fn run_with(&self, arguments: &[&str], environment: &[(&str, &str)]) -> Outcome {
-        let output = Command::new(env!("CARGO_BIN_EXE_bozzetto"))
-            .args(arguments)
-            .current_dir(self.folder.path())
-            // Without it, libraries that look for a window system complain on standard error.
-            .env("XDG_RUNTIME_DIR", self.folder.path())
-            .envs(environment.iter().copied())
-            .stdin(Stdio::null())
-            .output()
-            .expect("the program starts");
-        Outcome {
-            status: output.status.code().unwrap_or(-1),
-            stdout: String::from_utf8(output.stdout).expect("standard output is text"),
-            stderr: String::from_utf8(output.stderr).expect("standard error is text"),
-        }
+        Outcome::of(self.command(arguments).envs(environment.iter().copied()))
+    }
+
+    /// Runs the program with its standard output led elsewhere.
+    pub fn run_into(&self, arguments: &[&str], stdout: Stdio) -> Outcome {
+        Outcome::of(self.command(arguments).stdout(stdout))
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_bozzetto"));
+        command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
+        // Without it, libraries that look for a window system complain on standard error.
+        command.env("XDG_RUNTIME_DIR", self.folder.path());
+        command
     }
 
     /// Runs the program, which must succeed and say nothing on standard error; gives its standard output.
@@ -115,6 +115,17 @@ impl Workplace {
         assert_eq!(names(&before), names(&after), "{arguments:?} leaves no other files");
         assert!(before == after, "{arguments:?} leaves every file as it was");
         sentence
+    }
+}
+
+impl Outcome {
+    fn of(command: &mut Command) -> Self {
+        let output = command.output().expect("the program starts");
+        Self {
+            status: output.status.code().unwrap_or(-1),
+            stdout: String::from_utf8(output.stdout).expect("standard output is text"),
+            stderr: String::from_utf8(output.stderr).expect("standard error is text"),
+        }
     }
 }
 

@@ -49,7 +49,7 @@ fn levels(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands:
     let hierarchy = document.surface().hierarchy();
     let finest = hierarchy.finest();
     let last = Settings::last_level(settings.kind, finest);
-    egui::Grid::new("levels").num_columns(4).spacing([6.0, 2.0]).striped(true).show(ui, |ui| {
+    egui::Grid::new("levels").num_columns(4).min_col_width(48.0).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         ui.colored_label(theme::FAINT, "level");
         ui.colored_label(theme::FAINT, "edit");
         ui.colored_label(theme::FAINT, "show");
@@ -103,6 +103,7 @@ fn coefficient(ui: &mut egui::Ui, document: &Document, settings: &Settings, comm
     }
     ui.add_enabled_ui(settings.radius > 0.0, |ui| {
         ui.horizontal(|ui| {
+            tighten(ui);
             for (falloff, name) in [
                 (Falloff::Smooth, "smooth"),
                 (Falloff::Linear, "linear"),
@@ -124,7 +125,9 @@ fn coefficient(ui: &mut egui::Ui, document: &Document, settings: &Settings, comm
 fn gain(ui: &mut egui::Ui, settings: &Settings, finest: Level, commands: &mut Vec<Command>) {
     let level = settings.level.min(Level(finest.0 - 1)).0;
     ui.horizontal(|ui| {
+        tighten(ui);
         ui.label(format!("detail of level {level}"));
+        ui.add_space(6.0);
         for (factor, label, tip) in [
             (0.0, "erase", "Set this level's wavelet coefficients to zero"),
             (0.5, "½", "Halve this level's detail"),
@@ -139,6 +142,7 @@ fn gain(ui: &mut egui::Ui, settings: &Settings, finest: Level, commands: &mut Ve
 
 fn display(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
+        tighten(ui);
         for (shading, name) in
             [(Shading::Clay, "clay"), (Shading::Porcelain, "porcelain"), (Shading::Flat, "flat"), (Shading::Normals, "normals")]
         {
@@ -177,6 +181,12 @@ fn history(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command>) 
             }
         }
     });
+}
+
+/// Narrow gaps, for rows of several choices.
+fn tighten(ui: &mut egui::Ui) {
+    ui.spacing_mut().item_spacing.x = 2.0;
+    ui.spacing_mut().button_padding.x = 6.0;
 }
 
 fn name(response: &egui::Response, name: String) {
