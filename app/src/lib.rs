@@ -3,5 +3,5 @@
 pub mod cli;
 pub mod display;
 pub mod editor;
-mod opening;
+pub mod opening;
 pub mod render;

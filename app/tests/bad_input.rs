@@ -45,7 +45,8 @@ fn every_command_refuses(work: &Workplace, input: &str) {
 #[test]
 fn missing_files() {
     let work = workplace();
-    for input in ["missing.boz", "missing.obj", "no/such/folder.ply", "missing.off", "missing", "missing.xyz"] {
+    for input in ["missing.boz", "missing.obj", "no/such/folder.ply", "missing.off", "missing", "missing.xyz"]
+    {
         every_command_refuses(&work, input);
     }
     work.refuses(&["globe", "missing.png", "-o", "out.boz"], &["missing.png"]);

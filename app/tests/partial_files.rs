@@ -5,7 +5,7 @@ mod models;
 mod program;
 
 use models::ball_boz;
-use program::{Outcome, Workplace, one_object};
+use program::{Outcome, Workplace, one_object, skipped};
 use serde_json::Value;
 
 /// How a cut file is taken.
@@ -55,7 +55,7 @@ fn every_prefix_is_refused_or_a_model() {
         for key in ["vertices", "faces", "levels", "base_vertices", "base_faces", "genus", "wavelet"] {
             assert_eq!(info[key], whole[key], "{key} at {length} bytes");
         }
-        assert_eq!(info["hash"] == whole["hash"], how == Taken::Whole, "{length} bytes");
+        assert!(info["hash"] == whole["hash"] || how == Taken::Partial, "{length} bytes");
     }
     for how in [Taken::Refused, Taken::Partial, Taken::Whole] {
         let count = seen.iter().filter(|&&h| h == how).count();
@@ -94,7 +94,7 @@ fn a_partial_model_can_be_looked_at() {
     }
     let rendered = work.run(&["render", "cut.boz", "-o", "cut.png", "--size", "64x64"]);
     if rendered.stderr.contains("adapter") {
-        eprintln!("SKIPPED: rendering a partial file, since there is no graphics adapter");
+        skipped("rendering a partial file", &rendered.stderr);
     } else {
         assert_eq!(rendered.status, 0, "{rendered:?}");
         assert!(one_note(&rendered.stderr, "cut.boz"), "{rendered:?}");

@@ -1,6 +1,6 @@
 //! `bozzetto bake`: fold the log into a new wavelet file.
 
-use super::input::{LogArgs, load_complete};
+use super::input::{LogArgs, load_complete, tell};
 use super::output;
 use anyhow::Result;
 use bozzetto_core::file::encode;
@@ -25,7 +25,8 @@ pub(super) struct Args {
 /// The file cannot be read, is incomplete, or the result cannot be written.
 pub(super) fn run(args: &Args) -> Result<()> {
     output::check_lone_wavelet_file(&args.output)?;
-    let model = load_complete(&args.file, args.log.options())?;
+    let (model, notes) = load_complete(&args.file, args.log.options())?;
+    tell(notes);
     output::replace(&args.output, &encode(&model))?;
     output::print(&format!("hash {}\n", model.surface.hash()))
 }

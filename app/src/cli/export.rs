@@ -61,7 +61,9 @@ pub(super) fn existing_level(surface: &Surface, level: Option<u8>) -> Result<Lev
     match level {
         None => Ok(finest),
         Some(level) if level <= finest.0 => Ok(Level(level)),
-        Some(level) => bail!("level {level} does not exist: this surface has levels 0 to {finest}; choose one of those"),
+        Some(level) => {
+            bail!("level {level} does not exist: this surface has levels 0 to {finest}; choose one of those")
+        }
     }
 }
 

@@ -1,12 +1,13 @@
 //! `bozzetto globe`: a picture of elevations onto a subdivided octahedron.
 
-use super::import::How;
+use super::form::FormArgs;
 use super::info::Info;
-use crate::opening::metadata_of;
 use super::output;
+use crate::opening::metadata_of;
 use anyhow::{Context, Result};
 use bozzetto_core::conversion::{EquirectangularGrid, GridMeaning, globe};
 use bozzetto_core::file::{Model, encode};
+use bozzetto_core::surface::Surface;
 use std::path::{Path, PathBuf};
 
 /// Levels when nothing else is asked for: 131 thousand faces.
@@ -25,13 +26,16 @@ pub(super) struct Args {
     #[arg(long, conflicts_with_all = ["relief", "zero"])]
     radius_grid: bool,
     /// How much radius black to white is worth, for elevations.
-    #[arg(long, default_value_t = 0.12)]
+    #[arg(long, default_value_t = 0.12, allow_negative_numbers = true)]
     relief: f64,
     /// The grey value, from 0 to 1, at sea level (radius 1), for elevations.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     zero: f64,
+    /// Levels over the octahedron.
+    #[arg(long, value_name = "J", default_value_t = DEFAULT_LEVELS)]
+    levels: u8,
     #[command(flatten)]
-    how: How,
+    form: FormArgs,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -49,18 +53,15 @@ pub(super) fn run(args: &Args) -> Result<()> {
     } else {
         GridMeaning::Elevation { relief: args.relief, zero: args.zero }
     };
-    let levels = args.how.levels().unwrap_or(DEFAULT_LEVELS);
-    let surface = globe(&grid, meaning, levels, &args.how.options()?)
-        .map_err(|e| anyhow::anyhow!("{}: {e}", args.image.display()))?;
+    let named = |sentence: String| anyhow::anyhow!("{}: {sentence}", args.image.display());
+    let made = globe(&grid, meaning, args.levels).map_err(|e| named(e.to_string()))?;
+    let surface = Surface::from_positions(made.hierarchy, &made.positions, &args.form.options()?)
+        .map_err(|e| named(e.to_string()))?;
     let model = Model::new(surface, None, metadata_of(&args.image));
     let bytes = encode(&model);
     output::replace(&args.output, &bytes)?;
     let info = Info::of(&model, bytes.len() as u64);
-    if args.json {
-        output::print_json(&info)
-    } else {
-        output::print(&info.text())
-    }
+    if args.json { output::print_json(&info) } else { output::print(&info.text()) }
 }
 
 fn read_grid(path: &Path) -> Result<EquirectangularGrid> {

@@ -1,15 +1,14 @@
 //! `bozzetto import`: a mesh to a wavelet file.
 
+use super::form::FormArgs;
 use super::info::Info;
-use crate::opening::{import_file, model_of};
 use super::output;
 use super::progress::Progress;
+use crate::opening::{ImportOptions, Imported, import_file};
 use anyhow::{Context, Result, bail};
-use bozzetto_core::conversion::{ImportOptions, Remesh};
+use bozzetto_core::conversion::{ConversionOptions, Remesh};
 use bozzetto_core::file::encode;
 use bozzetto_core::mesh::{CompareOptions, compare};
-use bozzetto_core::surface::{DEFAULT_PRECISION, UpAxis};
-use bozzetto_core::wavelet::{Scheme, Wavelet};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -23,8 +22,14 @@ pub(super) struct Args {
     /// The wavelet file to write.
     #[arg(short, long)]
     output: PathBuf,
+    /// At most so many levels.
+    #[arg(long, value_name = "J", value_parser = clap::value_parser!(u8).range(0..=15))]
+    levels: Option<u8>,
+    /// Whether to convert: auto looks for subdivision connectivity first, never takes the mesh as it is.
+    #[arg(long, default_value = "auto")]
+    remesh: RemeshArg,
     #[command(flatten)]
-    how: How,
+    form: FormArgs,
     /// Bound on the measured distance, over the bounding-box diagonal; the result says whether it is met.
     #[arg(long, value_name = "T")]
     tolerance: Option<f64>,
@@ -36,49 +41,6 @@ pub(super) struct Args {
     json: bool,
 }
 
-/// Options that every kind of import shares.
-#[derive(Debug, clap::Args)]
-pub(super) struct How {
-    /// Which wavelets: lazy, 0, 1 or 2 (the disc's radius).
-    #[arg(long, default_value = "2")]
-    wavelet: WaveletArg,
-    /// How odd vertices are predicted.
-    #[arg(long, default_value = "linear")]
-    scheme: SchemeArg,
-    /// At most so many levels.
-    #[arg(long, value_name = "J", value_parser = clap::value_parser!(u8).range(0..=15))]
-    levels: Option<u8>,
-    /// Bits of precision.
-    #[arg(long, default_value_t = DEFAULT_PRECISION, value_parser = clap::value_parser!(u8).range(8..=25))]
-    precision: u8,
-    /// Whether to convert: auto looks for subdivision connectivity first, never takes the mesh as it is.
-    #[arg(long, default_value = "auto")]
-    remesh: RemeshArg,
-    /// The model's up axis.
-    #[arg(long, default_value = "y")]
-    up: UpArg,
-    /// The model's unit of length, kept in the file.
-    #[arg(long, default_value = "")]
-    unit: String,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum WaveletArg {
-    Lazy,
-    #[value(name = "0")]
-    Zero,
-    #[value(name = "1")]
-    One,
-    #[value(name = "2")]
-    Two,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum SchemeArg {
-    Linear,
-    Butterfly,
-}
-
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum RemeshArg {
     Auto,
@@ -86,47 +48,17 @@ enum RemeshArg {
     Never,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum UpArg {
-    Y,
-    Z,
-}
-
-impl How {
-    /// As options of the core.
-    ///
-    /// # Errors
-    /// The scheme is not available.
-    pub(super) fn options(&self) -> Result<ImportOptions> {
-        if matches!(self.scheme, SchemeArg::Butterfly) {
-            bail!("--scheme butterfly is not available in this version; use linear");
-        }
+impl Args {
+    fn options(&self) -> Result<ImportOptions> {
+        let remesh = match self.remesh {
+            RemeshArg::Auto => Remesh::Auto,
+            RemeshArg::Always => Remesh::Always,
+            RemeshArg::Never => Remesh::Never,
+        };
         Ok(ImportOptions {
-            wavelet: match self.wavelet {
-                WaveletArg::Lazy => Wavelet::Lazy,
-                WaveletArg::Zero => Wavelet::Disc(0),
-                WaveletArg::One => Wavelet::Disc(1),
-                WaveletArg::Two => Wavelet::Disc(2),
-            },
-            scheme: Scheme::Linear,
-            levels: self.levels,
-            precision: self.precision,
-            remesh: match self.remesh {
-                RemeshArg::Auto => Remesh::Auto,
-                RemeshArg::Always => Remesh::Always,
-                RemeshArg::Never => Remesh::Never,
-            },
-            up: match self.up {
-                UpArg::Y => UpAxis::Y,
-                UpArg::Z => UpAxis::Z,
-            },
-            unit: self.unit.clone(),
+            conversion: ConversionOptions { levels: self.levels, remesh },
+            form: self.form.options()?,
         })
-    }
-
-    /// The levels asked for.
-    pub(super) fn levels(&self) -> Option<u8> {
-        self.levels
     }
 }
 
@@ -144,9 +76,12 @@ struct Report {
 impl Report {
     /// The figures for people.
     fn text(&self, written: &Path) -> String {
-        let mut lines = vec![format!("distance     rms {:.2e}, max {:.2e} of the diagonal", self.rms, self.max)];
+        let mut lines =
+            vec![format!("distance     rms {:.2e}, max {:.2e} of the diagonal", self.rms, self.max)];
         lines.extend(self.cleaned.iter().map(|sentence| format!("cleaned      {sentence}")));
-        lines.extend(self.tolerance_met.map(|met| format!("tolerance    {}", if met { "met" } else { "not met" })));
+        lines.extend(
+            self.tolerance_met.map(|met| format!("tolerance    {}", if met { "met" } else { "not met" })),
+        );
         lines.push(format!("written      {} in {:.1} s", written.display(), self.seconds));
         self.info.text() + &lines.join("\n") + "\n"
     }
@@ -159,17 +94,15 @@ impl Report {
 pub(super) fn run(args: &Args) -> Result<()> {
     output::check_lone_wavelet_file(&args.output)?;
     let progress = Progress::new("Importing");
-    let (mesh, imported) = import_file(&args.mesh, &args.how.options()?)?;
+    let Imported { mesh, model, cleaned } = import_file(&args.mesh, &args.options()?)?;
     progress.report(0.3);
-    let base_faces = imported.surface.hierarchy().base().faces().len();
+    let base_faces = model.surface.hierarchy().base().faces().len();
     if let Some(limit) = args.base_faces.filter(|&limit| base_faces > limit) {
         bail!(
             "{}: its base mesh has {base_faces} faces, more than --base-faces {limit} allows",
             args.mesh.display()
         );
     }
-    let cleaned = imported.cleaned.clone();
-    let model = model_of(&args.mesh, imported);
     let result = model.surface.to_mesh(model.surface.finest());
     let measured =
         compare(&mesh, &result, &CompareOptions::default(), &|share| progress.report(0.3 + 0.6 * share))
@@ -185,9 +118,5 @@ pub(super) fn run(args: &Args) -> Result<()> {
         tolerance_met: args.tolerance.map(|tolerance| measured.max <= tolerance),
     };
     drop(progress);
-    if args.json {
-        output::print_json(&report)
-    } else {
-        output::print(&report.text(&args.output))
-    }
+    if args.json { output::print_json(&report) } else { output::print(&report.text(&args.output)) }
 }

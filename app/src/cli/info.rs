@@ -105,9 +105,5 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let model = load_surface(&args.file, args.log.options())?;
     let bytes = std::fs::metadata(&args.file).with_context(|| args.file.display().to_string())?.len();
     let info = Info::of(&model, bytes);
-    if args.json {
-        output::print_json(&info)
-    } else {
-        output::print(&info.text())
-    }
+    if args.json { output::print_json(&info) } else { output::print(&info.text()) }
 }

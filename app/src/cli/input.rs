@@ -1,13 +1,14 @@
 //! Inputs of commands: a wavelet file with its log, or a mesh.
 
-use anyhow::{Context, Result, bail};
-use bozzetto_core::conversion::{ImportOptions, Remesh, import};
+use crate::opening::{ImportOptions, import, is_wavelet_file};
+use anyhow::{Result, bail};
+use bozzetto_core::conversion::{ConversionOptions, Remesh};
 use bozzetto_core::disk::Disk;
 use bozzetto_core::file::Model;
 use bozzetto_core::io::{MeshFormat, read_mesh};
 use bozzetto_core::mesh::TriangleMesh;
 use bozzetto_core::session::{LogUse, OpenOptions, open_model};
-use crate::opening::{is_wavelet_file, model_of};
+use bozzetto_core::surface::FormOptions;
 use std::path::Path;
 
 /// How much of a log to take, shared by commands that open wavelet files.
@@ -56,31 +57,33 @@ pub fn load(path: &Path, options: OpenOptions) -> Result<Loaded> {
     Ok(Loaded::Mesh(read_mesh(path)?))
 }
 
+/// Says on stderr what a user should know about the files.
+pub(super) fn tell(notes: Vec<String>) {
+    for note in notes {
+        eprintln!("note: {note}");
+    }
+}
+
 /// Loads a wavelet file with its log; notes go to stderr.
 ///
 /// # Errors
 /// The files cannot be read or do not fit together.
 pub(super) fn load_model(path: &Path, options: OpenOptions) -> Result<Model> {
     let (model, notes) = open_model(&Disk, path, options)?;
-    for note in notes {
-        eprintln!("note: {note}");
-    }
+    tell(notes);
     Ok(model)
 }
 
-/// Loads a wavelet file with its log and refuses a partial one; notes go to stderr.
+/// Loads a wavelet file with its log and the notes on them, and refuses a partial one.
 ///
 /// # Errors
 /// The files cannot be read, do not fit together or end early.
-pub(super) fn load_complete(path: &Path, options: OpenOptions) -> Result<Model> {
+pub(super) fn load_complete(path: &Path, options: OpenOptions) -> Result<(Model, Vec<String>)> {
     let (model, notes) = open_model(&Disk, path, options)?;
     if !model.complete {
         bail!("{} is incomplete: it ends before its end marker; get the rest of the file", path.display());
     }
-    for note in notes {
-        eprintln!("note: {note}");
-    }
-    Ok(model)
+    Ok((model, notes))
 }
 
 /// A mesh to look at: that of a mesh file, or the finest level of a wavelet file.
@@ -102,8 +105,9 @@ pub(super) fn load_surface(path: &Path, options: OpenOptions) -> Result<Model> {
     match load(path, options)? {
         Loaded::Surface(model) => Ok(*model),
         Loaded::Mesh(mesh) => {
-            let never = ImportOptions { remesh: Remesh::Never, ..ImportOptions::default() };
-            Ok(model_of(path, import(&mesh, &never).with_context(|| path.display().to_string())?))
+            let conversion = ConversionOptions { levels: None, remesh: Remesh::Never };
+            let never = ImportOptions { conversion, form: FormOptions::default() };
+            Ok(import(path, &mesh, &never)?.0)
         }
     }
 }

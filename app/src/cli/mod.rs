@@ -7,6 +7,7 @@ mod bake;
 mod coefficients;
 mod compare;
 mod export;
+mod form;
 mod globe;
 mod import;
 mod info;

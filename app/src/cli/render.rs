@@ -225,7 +225,12 @@ impl Overlays {
                 let at = |slot: u32| shown.positions()[slot as usize];
                 let outline = support_border(hierarchy.layout(shown.level()), &influence);
                 let color = [250, 246, 236, 230];
-                self.lines.extend(outline.iter().map(|&[a, b]| Line { from: at(a), to: at(b), color, width: 2.0 }));
+                self.lines.extend(outline.iter().map(|&[a, b]| Line {
+                    from: at(a),
+                    to: at(b),
+                    color,
+                    width: 2.0,
+                }));
             }
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! `bozzetto replay`: a script or log played onto a wavelet file, without a window.
 
+use super::input::tell;
 use super::output;
 use super::progress::Progress;
 use anyhow::{Context, Result, bail};
@@ -56,22 +57,24 @@ pub(super) fn run(args: &Args) -> Result<()> {
 }
 
 fn play(args: &Args) -> Result<()> {
-    let script = read_script(&args.script)?;
+    let mut script = read_script(&args.script)?;
     let log = if args.onto_log { LogUse::Whole } else { LogUse::Ignored };
     let progress = Progress::new("Replaying");
     let options = OpenOptions { log, rebind: args.rebind };
     let report = |share| progress.report(share);
     let Opened { mut session, notes } = Session::open_detached(Arc::new(Disk), &args.file, options, &report)?;
-    for note in notes {
-        eprintln!("note: {note}");
-    }
     let own = session.original_hash().to_string();
-    if let Some(of) = script.of.as_ref().filter(|of| **of != own && !args.rebind) {
-        bail!(
-            "{} belongs to another wavelet file ({of}, not {own}); use its own file, or --rebind to apply it anyway",
-            args.script.display()
-        );
+    if let Some(of) = script.of.as_ref().filter(|of| **of != own) {
+        if !args.rebind {
+            bail!(
+                "{} belongs to another wavelet file ({of}, not {own}); use its own file, or --rebind to apply it anyway",
+                args.script.display()
+            );
+        }
+        // The recorded hashes are those of the other surface.
+        script.lines.iter_mut().for_each(|numbered| numbered.line.hash = None);
     }
+    tell(notes);
     let edits = session
         .play(&effective(&script.lines, false), &report)
         .map_err(|e| anyhow::anyhow!("{}, {e}; correct or remove that line", args.script.display()))?;

@@ -1,9 +1,9 @@
 //! `bozzetto verify`: check every block of a file and synthesise it anew.
 
-use super::input::{LogArgs, load_complete, load_mesh};
-use crate::opening::is_wavelet_file;
+use super::input::{LogArgs, load_complete, load_mesh, tell};
 use super::output;
 use super::progress::Progress;
+use crate::opening::is_wavelet_file;
 use anyhow::{Context, Result, bail};
 use bozzetto_core::mesh::{CompareOptions, compare};
 use bozzetto_core::surface::Surface;
@@ -33,10 +33,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
         bail!("{path}: only wavelet files can be verified; give a .boz file");
     }
     let progress = Progress::new("Verifying");
-    let model = load_complete(&args.file, args.log.options())?;
+    let (model, notes) = load_complete(&args.file, args.log.options())?;
     if model.tail_cut {
         bail!("{path}: the surface is whole, but the file was cut short after it; restore it from a copy");
     }
+    tell(notes);
     progress.report(0.4);
     let surface = &model.surface;
     let finest = surface.scaling(surface.finest()).to_vec();

@@ -8,6 +8,6 @@ mod subtriangle;
 mod vertices;
 
 pub use frame::Frame;
-pub use pick_tree::{Hit, PickTree};
 pub use overlay::{Influence, support_border, tints};
+pub use pick_tree::{Hit, PickTree};
 pub use vertices::ShownVertices;

@@ -54,7 +54,8 @@ pub fn tints(influence: &Influence) -> Vec<(Slot, [u8; 4])> {
 /// The outline of a support: the shown edges, as pairs of slots, around the region where the influence is not zero.
 /// Connectivity alone, so it holds however the surface moves. Cost: the support.
 pub fn support_border(layout: &Layout, influence: &Influence) -> Vec<[u32; 2]> {
-    let inside: FxHashSet<u32> = influence.values.iter().filter(|(_, x)| *x != 0.0).map(|(s, _)| s.0).collect();
+    let inside: FxHashSet<u32> =
+        influence.values.iter().filter(|(_, x)| *x != 0.0).map(|(s, _)| s.0).collect();
     let around = |slot: u32| {
         let ring = layout.ring(layout.site(Slot(slot)));
         let slots: Vec<u32> = ring.around.iter().map(|&s| layout.slot(s).0).collect();

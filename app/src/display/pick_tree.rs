@@ -73,13 +73,15 @@ impl PickTree {
         let leaf = Level(shown.0.saturating_sub(LEAF_DEPTH));
         let faces = hierarchy.base().faces().len() as u32;
         let count = |level: Level| faces as usize * (level.segments() as usize).pow(2);
-        let mut boxes: Vec<Vec<Bounds>> = (0..=leaf.0).map(|l| vec![Bounds::EMPTY; count(Level(l))]).collect();
+        let mut boxes: Vec<Vec<Bounds>> =
+            (0..=leaf.0).map(|l| vec![Bounds::EMPTY; count(Level(l))]).collect();
         let layout = hierarchy.layout(shown);
         let n = leaf.segments();
         let per_face = (n * n) as usize;
         boxes[leaf.index()].par_chunks_mut(per_face).enumerate().for_each(|(face, chunk)| {
             for triangle in all_in_face(face as u32, n) {
-                chunk[triangle.index(n) - face * per_face] = leaf_box(layout, vertices, triangle, shown.0 - leaf.0);
+                chunk[triangle.index(n) - face * per_face] =
+                    leaf_box(layout, vertices, triangle, shown.0 - leaf.0);
             }
         });
         let mut tree = Self { shown, boxes };
@@ -269,7 +271,8 @@ fn meet(layout: &Layout, vertices: &ShownVertices, triangle: Subtriangle, ray: &
     }
     let weights = [1.0 - u - v, u, v];
     let n = f64::from(layout.segments());
-    let mix = |coordinate: usize| (0..3).map(|k| weights[k] * f64::from(places[k][coordinate])).sum::<f64>() / n;
+    let mix =
+        |coordinate: usize| (0..3).map(|k| weights[k] * f64::from(places[k][coordinate])).sum::<f64>() / n;
     let (x, y) = (mix(0), mix(1));
     Some(Hit {
         face: triangle.face,

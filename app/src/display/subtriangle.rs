@@ -36,7 +36,8 @@ impl Subtriangle {
 
     /// The four triangles of the next level that make it up.
     pub(super) fn children(self) -> [Self; 4] {
-        let at = |i: u32, r: u32, down: bool| Self { face: self.face, i: 2 * self.i + i, r: 2 * self.r + r, down };
+        let at =
+            |i: u32, r: u32, down: bool| Self { face: self.face, i: 2 * self.i + i, r: 2 * self.r + r, down };
         if self.down {
             [at(1, 0, true), at(1, 1, true), at(0, 1, true), at(1, 1, false)]
         } else {
@@ -97,7 +98,17 @@ mod tests {
                 let count = Subtriangle::around(3, i, r, n).filter(|t| t.corners().contains(&[i, r])).count();
                 let corner = [i == 0 && r == 0, i == n, r == n].contains(&true);
                 let border = i == 0 || r == 0 || i + r == n;
-                assert_eq!(count, if corner { 1 } else if border { 3 } else { 6 }, "({i}, {r})");
+                assert_eq!(
+                    count,
+                    if corner {
+                        1
+                    } else if border {
+                        3
+                    } else {
+                        6
+                    },
+                    "({i}, {r})"
+                );
             }
         }
     }

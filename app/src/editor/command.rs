@@ -1,8 +1,8 @@
 //! What panels and tools ask for. One place, `execute`, carries it out.
 
 use super::dialog::Dialog;
+use crate::opening::ImportOptions;
 use crate::render::{Shading, View};
-use bozzetto_core::conversion::ImportOptions;
 use bozzetto_core::edit::{Edit, Falloff, Kind};
 use bozzetto_core::hierarchy::PublicId;
 use glam::{DVec2, DVec3};

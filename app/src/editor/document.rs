@@ -135,7 +135,8 @@ impl Document {
 
     /// The document's name for the title: the file's, or what it was made from.
     pub fn name(&self) -> String {
-        let from_path = self.session.path().and_then(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned());
+        let from_path =
+            self.session.path().and_then(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned());
         from_path.or_else(|| self.session.metadata().source.clone()).unwrap_or_else(|| "Untitled".to_owned())
     }
 }

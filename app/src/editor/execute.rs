@@ -8,9 +8,9 @@ use super::document::Document;
 use super::panels::Banner;
 use super::viewport::orbit_angles;
 use super::worker::{Done, Outcome, Work};
-use crate::opening;
+use crate::opening::{self, ImportOptions, Imported};
 use crate::render::BoundingSphere;
-use bozzetto_core::conversion::{ImportOptions, Remesh};
+use bozzetto_core::conversion::{ConversionOptions, Remesh};
 use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::edit::{Edit, Move};
 use bozzetto_core::hierarchy::Level;
@@ -195,7 +195,8 @@ impl Editor {
         work: impl FnOnce(&mut Session) -> Result<Done, String> + Send + 'static,
     ) {
         if let Some(document) = self.document.take() {
-            self.work = Some(Work::on_session(ctx.clone(), title, document.session, move |session, _| work(session)));
+            self.work =
+                Some(Work::on_session(ctx.clone(), title, document.session, move |session, _| work(session)));
         }
     }
 
@@ -213,31 +214,34 @@ impl Editor {
 
     pub(super) fn open(&mut self, ctx: &egui::Context, path: PathBuf) {
         if !opening::is_wavelet_file(&path) {
-            let options = ImportOptions { remesh: Remesh::Never, ..ImportOptions::default() };
+            let conversion = ConversionOptions { levels: None, remesh: Remesh::Never };
+            let options = ImportOptions { conversion, ..ImportOptions::default() };
             self.import(ctx, path, options);
             return;
         }
         if self.document.as_ref().is_some_and(|d| d.session.path() == Some(&path)) {
             return;
         }
-        self.work = Some(Work::opening(ctx.clone(), format!("Opening {}", shown_name(&path)), move |share| {
-            let report = |done| share.report(done);
-            let opened = Session::open(Arc::new(Disk), &path, OpenOptions::default(), &report);
-            opened.map(|Opened { session, notes }| (session, notes)).map_err(|e| e.to_string())
-        }));
+        self.work =
+            Some(Work::opening(ctx.clone(), format!("Opening {}", shown_name(&path)), move |share| {
+                let report = |done| share.report(done);
+                let opened = Session::open(Arc::new(Disk), &path, OpenOptions::default(), &report);
+                opened.map(|Opened { session, notes }| (session, notes)).map_err(|e| e.to_string())
+            }));
     }
 
     fn import(&mut self, ctx: &egui::Context, path: PathBuf, options: ImportOptions) {
-        self.work = Some(Work::opening(ctx.clone(), format!("Importing {}", shown_name(&path)), move |share| {
-            share.report(0.1);
-            let (_, imported) = opening::import_file(&path, &options).map_err(|e| format!("{e:#}"))?;
-            share.report(0.8);
-            let mut notes = imported.cleaned.clone();
-            if imported.surface.finest() == Level::BASE {
-                notes.push("This mesh has no subdivision connectivity, so it has one level only".into());
-            }
-            Ok((Session::new(Arc::new(Disk), opening::model_of(&path, imported)), notes))
-        }));
+        self.work =
+            Some(Work::opening(ctx.clone(), format!("Importing {}", shown_name(&path)), move |share| {
+                share.report(0.1);
+                let Imported { model, cleaned: mut notes, .. } =
+                    opening::import_file(&path, &options).map_err(|e| format!("{e:#}"))?;
+                share.report(0.8);
+                if model.surface.finest() == Level::BASE {
+                    notes.push("This mesh has no subdivision connectivity, so it has one level only".into());
+                }
+                Ok((Session::new(Arc::new(Disk), model), notes))
+            }));
     }
 
     fn save(&mut self) {

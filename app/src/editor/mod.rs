@@ -170,7 +170,8 @@ impl Editor {
     }
 
     fn show_picture(&mut self, ui: &mut egui::Ui) -> Vec<Command> {
-        let closed = self.document.as_ref().is_some_and(|d| d.surface().hierarchy().base().boundary_loops() == 0);
+        let closed =
+            self.document.as_ref().is_some_and(|d| d.surface().hierarchy().base().boundary_loops() == 0);
         let style = Style { shading: self.settings.shading, two_sided: !closed, ..Style::default() };
         let picture = Picture {
             document: self.document.as_ref(),
@@ -198,8 +199,7 @@ impl Editor {
         // A ball's area shared out among the level's vertices.
         let spacing = document.sphere().radius * (4.0 * std::f64::consts::PI / vertices).sqrt() / per_point;
         let mut renderer = self.viewport.renderer();
-        let updated =
-            self.scenery.update(&mut renderer, document, &self.settings, held, spacing < CROWDED);
+        let updated = self.scenery.update(&mut renderer, document, &self.settings, held, spacing < CROWDED);
         drop(renderer);
         if let Err(error) = updated {
             self.fail(error.to_string());

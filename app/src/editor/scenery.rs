@@ -69,7 +69,11 @@ impl Scenery {
         Ok(())
     }
 
-    fn update_surface(&mut self, renderer: &mut SurfaceRenderer, document: &Document) -> Result<(), GpuError> {
+    fn update_surface(
+        &mut self,
+        renderer: &mut SurfaceRenderer,
+        document: &Document,
+    ) -> Result<(), GpuError> {
         let vertices = document.vertices();
         if std::mem::take(&mut self.surface) {
             self.runs.clear();
@@ -118,7 +122,8 @@ impl Scenery {
         renderer.clear_tints();
         self.border.clear();
         if let Some(id) = settings.selected.filter(|_| settings.support)
-            && let Some(influence) = Influence::of(document.surface(), settings.kind, settings.level, id, shown)
+            && let Some(influence) =
+                Influence::of(document.surface(), settings.kind, settings.level, id, shown)
         {
             for (start, run) in consecutive(tints(&influence)) {
                 renderer.write_tints(start, &run)?;
@@ -134,10 +139,12 @@ impl Scenery {
     fn lines(&self, document: &Document, settings: &Settings, held: Option<Target>) -> Vec<Line> {
         let positions = document.vertices().positions();
         let at = |slot: u32| positions[slot as usize];
-        let outline = self.border.iter().map(|&[a, b]| Line { from: at(a), to: at(b), color: OUTLINE, width: 1.6 });
+        let outline =
+            self.border.iter().map(|&[a, b]| Line { from: at(a), to: at(b), color: OUTLINE, width: 1.6 });
         let to_control = held.filter(|t| settings.control && t.kind == Kind::Scaling).map(|target| {
             let layout = document.surface().hierarchy().layout(target.level);
-            let steps = document.surface().scaling(target.level)[layout.slot(layout.site_of(target.vertex)).index()];
+            let steps =
+                document.surface().scaling(target.level)[layout.slot(layout.site_of(target.vertex)).index()];
             let to = document.vertices().frame().place_f32(steps);
             Line { from: at(target.slot.0), to, color: HELD_FILL, width: 1.6 }
         });
@@ -183,7 +190,8 @@ fn handles(document: &Document, settings: &Settings, held: Option<Target>, dense
     let mut slots: Vec<Slot> = Vec::new();
     if settings.handles {
         if !dense && layout.len() <= MOST_HANDLES {
-            slots.extend((0..layout.len()).map(|s| layout.site(Slot(s))).filter(|&s| belongs(s)).map(slot_of));
+            slots
+                .extend((0..layout.len()).map(|s| layout.site(Slot(s))).filter(|&s| belongs(s)).map(slot_of));
         } else if let Some(target) = held {
             let near = layout.disc(&[layout.site_of(target.vertex)], 2);
             slots.extend(near.into_iter().filter(|&s| belongs(s)).map(slot_of));

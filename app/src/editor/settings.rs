@@ -87,7 +87,9 @@ impl Settings {
         self.shown = self.shown.min(finest);
         if self.shown < visible_from {
             self.shown = visible_from;
-            note.get_or_insert(format!("Level {visible_from} is shown, so that its coefficients can be seen"));
+            note.get_or_insert(format!(
+                "Level {visible_from} is shown, so that its coefficients can be seen"
+            ));
         }
         note
     }

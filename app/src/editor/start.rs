@@ -64,6 +64,8 @@ pub fn run(file: Option<PathBuf>) -> Result<()> {
         Ok(Box::new(Editor::new(cc, Samples::Four, Box::new(SystemChooser::default()), start)?))
     };
     eframe::run_native("Bozzetto", options, Box::new(editor)).map_err(|error| {
-        anyhow!("there is no window to show ({error}); start it in a desktop session, or use `bozzetto render`")
+        anyhow!(
+            "there is no window to show ({error}); start it in a desktop session, or use `bozzetto render`"
+        )
     })
 }

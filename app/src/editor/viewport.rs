@@ -75,13 +75,18 @@ impl Picture<'_> {
                     Some(Turning::Pan)
                 } else if pointer.button_pressed(PointerButton::Middle) {
                     Some(if shift { Turning::Pan } else { Turning::Orbit })
-                } else if pointer.primary_pressed() && (alt || self.target(pointer.interact_pos(), rect).is_none()) {
+                } else if pointer.primary_pressed()
+                    && (alt || self.target(pointer.interact_pos(), rect).is_none())
+                {
                     Some(Turning::Orbit)
                 } else {
                     None
                 };
             }
-            if !held(PointerButton::Primary) && !held(PointerButton::Middle) && !held(PointerButton::Secondary) {
+            if !held(PointerButton::Primary)
+                && !held(PointerButton::Middle)
+                && !held(PointerButton::Secondary)
+            {
                 *self.turning = None;
             }
             let moved = points(pointer.delta());
@@ -150,7 +155,8 @@ impl Picture<'_> {
 
     /// Distance by the cursor while dragging.
     fn caption(&self, ui: &Ui, rect: Rect) {
-        let (Some(drag), Some(document), Some(at)) = (self.tool.drag(), self.document, ui.ctx().pointer_latest_pos())
+        let (Some(drag), Some(document), Some(at)) =
+            (self.tool.drag(), self.document, ui.ctx().pointer_latest_pos())
         else {
             return;
         };
@@ -158,7 +164,8 @@ impl Picture<'_> {
         let share = length / (2.0 * document.sphere().radius) * 100.0;
         let text = format!("{length:.4}  ({share:.1} % of the size)");
         let place = (at + egui::vec2(16.0, 14.0)).clamp(rect.min, rect.max - egui::vec2(180.0, 24.0));
-        let galley = ui.painter().layout_no_wrap(text, egui::FontId::proportional(13.0), egui::Color32::WHITE);
+        let galley =
+            ui.painter().layout_no_wrap(text, egui::FontId::proportional(13.0), egui::Color32::WHITE);
         let back = Rect::from_min_size(place, galley.size()).expand(5.0);
         ui.painter().rect_filled(back, 4.0, egui::Color32::from_black_alpha(170));
         ui.painter().galley(place, galley, egui::Color32::WHITE);

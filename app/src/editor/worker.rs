@@ -119,7 +119,9 @@ impl Work {
         match self.outcome.try_recv() {
             Ok(outcome) => Some(outcome),
             Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Outcome::Failed("The work ended without a result".into())),
+            Err(TryRecvError::Disconnected) => {
+                Some(Outcome::Failed("The work ended without a result".into()))
+            }
         }
     }
 }

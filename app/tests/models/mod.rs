@@ -51,7 +51,9 @@ pub fn read_obj(text: &str) -> TriangleMesh {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
             ["v", x, y, z] => mesh.positions.push([x, y, z].map(|word| word.parse().expect("a number"))),
-            ["f", a, b, c] => mesh.faces.push([a, b, c].map(|word| word.parse::<u32>().expect("an index") - 1)),
+            ["f", a, b, c] => {
+                mesh.faces.push([a, b, c].map(|word| word.parse::<u32>().expect("an index") - 1))
+            }
             _ => {}
         }
     }

@@ -5,6 +5,7 @@
 
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
@@ -127,6 +128,11 @@ impl Outcome {
             stderr: String::from_utf8(output.stderr).expect("standard error is text"),
         }
     }
+}
+
+/// Says that a test was skipped, where the test harness does not swallow it.
+pub fn skipped(what: &str, why: &str) {
+    let _ = writeln!(std::io::stderr(), "\n*** SKIPPED: {what}: {why}");
 }
 
 /// One JSON object in one line, and nothing else.

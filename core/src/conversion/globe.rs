@@ -1,9 +1,8 @@
 //! A globe: an equirectangular grid of numbers displaces a subdivided octahedron.
 
-use super::import::{ImportError, ImportOptions, surface_from_positions};
+use super::Converted;
 use crate::hierarchy::{BaseMesh, Hierarchy, Layout, Level, Slot};
 use crate::mesh::shapes;
-use crate::surface::Surface;
 use rayon::prelude::*;
 use std::sync::Arc;
 use thiserror::Error;
@@ -39,7 +38,8 @@ pub enum GlobeError {
     Grid,
     /// Some radius is not positive.
     #[error(
-        "the grid gives a radius of {radius} somewhere, which is not positive; choose a smaller --relief"
+        "the grid gives a radius of {radius} somewhere, which is not positive; choose a smaller --relief, or a \
+         picture of radii without black"
     )]
     Radius {
         /// The radius.
@@ -51,9 +51,6 @@ pub enum GlobeError {
         /// The levels asked for.
         levels: u8,
     },
-    /// The surface cannot be made.
-    #[error(transparent)]
-    Import(#[from] ImportError),
 }
 
 impl EquirectangularGrid {
@@ -93,12 +90,7 @@ impl EquirectangularGrid {
 ///
 /// # Errors
 /// See [`GlobeError`].
-pub fn globe(
-    grid: &EquirectangularGrid,
-    meaning: GridMeaning,
-    levels: u8,
-    options: &ImportOptions,
-) -> Result<Surface, GlobeError> {
+pub fn globe(grid: &EquirectangularGrid, meaning: GridMeaning, levels: u8) -> Result<Converted, GlobeError> {
     if !(1..=12).contains(&levels) {
         return Err(GlobeError::Levels { levels });
     }
@@ -116,7 +108,7 @@ pub fn globe(
     if let Some(radius) = lengths.find_first(|r| *r <= 0.0) {
         return Err(GlobeError::Radius { radius });
     }
-    Ok(surface_from_positions(hierarchy, &positions, options)?)
+    Ok(Converted { hierarchy, positions, source: None, cleaned: Vec::new() })
 }
 
 /// Unit vectors for every slot of the finest level: midpoints, pushed out to the sphere level by level.

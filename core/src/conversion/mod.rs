@@ -1,7 +1,7 @@
-//! Any mesh or picture to a surface.
+//! Any mesh or picture to a hierarchy with positions.
 
+mod convert;
 mod globe;
-mod import;
 
+pub use convert::{ConversionError, ConversionOptions, Converted, Remesh, convert};
 pub use globe::{EquirectangularGrid, GlobeError, GridMeaning, globe};
-pub use import::{ImportError, ImportOptions, Imported, Remesh, import, surface_from_positions};

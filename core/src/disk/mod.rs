@@ -32,7 +32,7 @@ pub trait Vfs: Send + Sync {
     /// Replaces a file in one step: after a crash there is the old content or the new, whole. Synced.
     ///
     /// # Errors
-    /// Whatever the file system says; then the old content is untouched.
+    /// Whatever the file system says; then there is still the old content or the new, whole.
     fn replace(&self, path: &Path, content: &[u8]) -> io::Result<()>;
 
     /// Opens a file for appending after its first `keep` bytes; creates it if it is missing. What lay beyond is cut.

@@ -1,5 +1,5 @@
-//! Chunks: type, flags, lengths, checksum of these; payload, checksum of everything before. Every byte of a file lies
-//! under one. The header has a checksum of its own because its lengths are trusted before the rest is there: a
+//! Chunks: type, flags, lengths, checksum of these; payload, checksum of header and payload. Every byte of a
+//! file lies under one. The header has a checksum of its own because its lengths are trusted before the rest is there: a
 //! damaged length would otherwise look like a file cut short.
 
 use flate2::Compression;
@@ -13,7 +13,8 @@ pub(super) const VERSION: u16 = 1;
 /// Length of the preamble.
 pub(super) const PREAMBLE: usize = 16;
 /// Type, flags, packing, two zeros, raw length, packed length, checksum.
-const HEADER: usize = 28;
+const HEADER: usize = FIELDS + 4;
+const FIELDS: usize = 24;
 const CRITICAL: u8 = 1;
 
 /// A chunk's four-letter type.
@@ -56,15 +57,16 @@ impl Chunk {
         file.extend([if self.critical { CRITICAL } else { 0 }, self.packing, 0, 0]);
         file.extend(self.raw_len.to_le_bytes());
         file.extend((self.payload.len() as u64).to_le_bytes());
-        file.extend(crc32fast::hash(&file[start..]).to_le_bytes());
+        let fields = file[start..].to_vec();
+        file.extend(crc32fast::hash(&fields).to_le_bytes());
         file.extend(&self.payload);
-        file.extend(crc32fast::hash(&file[start..]).to_le_bytes());
+        file.extend(checksum(&fields, &self.payload).to_le_bytes());
     }
 
     /// Reads the chunk at the head of `bytes`; also how many bytes it takes.
     pub(super) fn read(bytes: &[u8]) -> Result<(Self, usize), Stop> {
         let header = bytes.get(..HEADER).ok_or(Stop::Cut)?;
-        let (fields, crc) = header.split_at(HEADER - 4);
+        let (fields, crc) = header.split_at(FIELDS);
         if crc != crc32fast::hash(fields).to_le_bytes() {
             return Err(Stop::Damaged("the checksum of a chunk's header does not agree"));
         }
@@ -72,8 +74,8 @@ impl Chunk {
         let packed_len = usize::try_from(length(16)).map_err(|_| Stop::Cut)?;
         let end = HEADER.checked_add(packed_len).and_then(|n| n.checked_add(4)).ok_or(Stop::Cut)?;
         let whole = bytes.get(..end).ok_or(Stop::Cut)?;
-        let (body, crc) = whole.split_at(end - 4);
-        if crc != crc32fast::hash(body).to_le_bytes() {
+        let (payload, crc) = whole[HEADER..].split_at(packed_len);
+        if crc != checksum(fields, payload).to_le_bytes() {
             return Err(Stop::Damaged("the checksum does not agree"));
         }
         if header[4] & !CRITICAL != 0 || header[5] > 1 || header[6..8] != [0, 0] {
@@ -84,7 +86,7 @@ impl Chunk {
             critical: header[4] & CRITICAL != 0,
             packing: header[5],
             raw_len: length(8),
-            payload: body[HEADER..].to_vec(),
+            payload: payload.to_vec(),
         };
         Ok((chunk, end))
     }
@@ -110,6 +112,15 @@ impl Chunk {
         }
         Ok(raw)
     }
+}
+
+/// The checksum at a chunk's end. The header's own checksum is left out of it: with it the sum would no longer
+/// depend on the header.
+fn checksum(fields: &[u8], payload: &[u8]) -> u32 {
+    let mut sum = crc32fast::Hasher::new();
+    sum.update(fields);
+    sum.update(payload);
+    sum.finalize()
 }
 
 /// The preamble.

@@ -42,6 +42,12 @@ pub enum FileError {
         /// The hash of the file at hand.
         expected: String,
     },
+    /// A file with a log cannot be replaced by one that stands alone.
+    #[error("{}: this log belongs to the file that would be replaced; choose another name", log.display())]
+    HasLog {
+        /// The log.
+        log: PathBuf,
+    },
 }
 
 impl FileError {

@@ -1,8 +1,12 @@
 //! The header and the base mesh as bytes, little-endian throughout.
 
+use super::wavelet_file::MOST_VERTICES;
 use crate::hierarchy::{BaseMesh, FINEST_LEVEL};
 use crate::surface::{CHANNELS, Form, PRECISIONS, Placement, Surface, SurfaceHash, UpAxis};
 use crate::wavelet::{Scheme, Wavelet};
+
+/// The most base faces that are opened. A closed surface has about twice as many faces as vertices.
+const MOST_FACES: u32 = 4 * MOST_VERTICES;
 
 /// What the `HEAD` chunk says.
 pub(super) struct Header {
@@ -55,6 +59,11 @@ impl Header {
         }
         let placement = Placement { origin: [x, y, z], step, up, unit };
         let (vertices, faces) = (u32::from_le_bytes(fields.take()?), u32::from_le_bytes(fields.take()?));
+        if vertices > MOST_VERTICES || faces > MOST_FACES {
+            return Err(format!(
+                "a base mesh of {vertices} vertices and {faces} faces is more than is opened"
+            ));
+        }
         let hash = SurfaceHash(fields.take()?);
         if !fields.0.is_empty() {
             return Err("the header is longer than this version's".into());

@@ -1,7 +1,8 @@
 //! The `.edits` log beside a wavelet file: reading with all its possible damage, and appending.
 //!
-//! A committed line is written and synced by a thread of its own within milliseconds; the caller never waits. A
-//! sidecar lock keeps a second program out.
+//! A committed line is written and synced by a thread of its own within milliseconds; the caller waits only where it
+//! asks to. After a failed write nothing more is appended, so a tear stays at the end. A sidecar lock keeps a second
+//! program out.
 
 use super::FileError;
 use crate::disk::{Lock, Vfs};
@@ -41,8 +42,8 @@ pub struct Log {
     pub damage: Option<(usize, String)>,
 }
 
-/// Reads a log. With `journal`, every line must carry its checksum. A bad last line is torn; a bad line with good
-/// ones after it is damage, and reading stops there.
+/// Reads a log. With `journal`, it must begin with its binding and every line must carry its checksum; a bad last line
+/// is torn. A bad line with more after it is damage, and reading stops there.
 pub fn read_log(bytes: &[u8], journal: bool) -> Log {
     let mut log = Log::default();
     let mut at = 0;
@@ -63,9 +64,17 @@ pub fn read_log(bytes: &[u8], journal: bool) -> Log {
                 return log;
             }
             Ok(None) => {}
-            Ok(Some(Line { entry: Entry::Binding { of }, .. })) if number == 1 => log.of = Some(of),
+            Ok(Some(Line { entry: Entry::Binding { of }, .. }))
+                if log.of.is_none() && log.lines.is_empty() =>
+            {
+                log.of = Some(of);
+            }
             Ok(Some(Line { entry: Entry::Binding { .. }, .. })) => {
                 log.damage = Some((number, "a log begins only once".into()));
+                return log;
+            }
+            Ok(Some(_)) if journal && log.of.is_none() => {
+                log.damage = Some((number, "the log does not begin with the file it belongs to".into()));
                 return log;
             }
             Ok(Some(line)) => log.lines.push(NumberedLine { number, line }),
@@ -98,21 +107,22 @@ fn parse(text: &[u8]) -> Result<Option<Line>, String> {
 
 /// The journal of an open document. Dropping it waits until everything is on disk.
 pub struct Journal {
-    lines: Option<Sender<String>>,
+    lines: Option<Sender<Message>>,
     writer: Option<JoinHandle<()>>,
-    state: Arc<Mutex<State>>,
+    failure: Arc<Mutex<Option<String>>>,
     _lock: Box<dyn Lock>,
 }
 
-#[derive(Debug, Default)]
-struct State {
-    synced: u64,
-    failure: Option<String>,
+/// What the writing thread is told.
+struct Message {
+    text: String,
+    /// Dropped once the text is on disk, or never will be.
+    _waiting: Option<Sender<()>>,
 }
 
 impl std::fmt::Debug for Journal {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Journal").field("state", &self.state).finish_non_exhaustive()
+        f.debug_struct("Journal").field("failure", &self.failure).finish_non_exhaustive()
     }
 }
 
@@ -127,61 +137,94 @@ pub fn lock(vfs: &dyn Vfs, wavelet_file: &Path) -> Result<Box<dyn Lock>, FileErr
         .ok_or_else(|| FileError::Locked { path: wavelet_file.to_owned() })
 }
 
+/// A whole log as text: the binding, then the entries.
+fn text_of(of: SurfaceHash, entries: &[(Entry, Option<SurfaceHash>)]) -> String {
+    let mut text = Line::to_text(&Entry::Binding { of: of.to_string() }, None) + "\n";
+    for (entry, hash) in entries {
+        text += &Line::to_text(entry, *hash);
+        text.push('\n');
+    }
+    text
+}
+
+/// Replaces the log of a wavelet file in one step by one with these entries; returns its length in bytes.
+///
+/// # Errors
+/// The log cannot be written; then the old one or the new is there, whole.
+pub fn write_log(
+    vfs: &dyn Vfs,
+    wavelet_file: &Path,
+    of: SurfaceHash,
+    entries: &[(Entry, Option<SurfaceHash>)],
+) -> Result<u64, FileError> {
+    let (path, text) = (log_path(wavelet_file), text_of(of, entries));
+    vfs.replace(&path, text.as_bytes()).map_err(FileError::io(&path))?;
+    Ok(text.len() as u64)
+}
+
 impl Journal {
-    /// Goes on after the first `keep` bytes of the log; a new log (`keep` = 0) begins with its binding.
+    /// Goes on after the first `keep` bytes of a log that is there.
     ///
     /// # Errors
     /// The log cannot be written.
     pub fn open(
         vfs: &dyn Vfs,
         wavelet_file: &Path,
-        of: SurfaceHash,
         keep: u64,
         lock: Box<dyn Lock>,
     ) -> Result<Self, FileError> {
         let path = log_path(wavelet_file);
         let mut file = vfs.append(&path, keep).map_err(FileError::io(&path))?;
-        let (lines, received) = channel::<String>();
-        let state = Arc::new(Mutex::new(State::default()));
-        let shared = state.clone();
+        let (lines, received) = channel::<Message>();
+        let failure = Arc::new(Mutex::new(None));
+        let shared = failure.clone();
         let writer = std::thread::Builder::new()
             .name("journal".into())
             .spawn(move || {
                 while let Ok(first) = received.recv() {
                     // Whatever else is waiting goes in the same sync.
-                    let batch: Vec<String> = std::iter::once(first).chain(received.try_iter()).collect();
-                    let written = file.write_all(batch.concat().as_bytes()).and_then(|()| file.sync());
-                    let mut state = shared.lock().expect("the lock is held for assignments only");
-                    match written {
-                        Ok(()) => state.synced += batch.len() as u64,
-                        Err(e) => {
-                            state.failure = Some(format!("{}: {e}", path.display()));
-                            return;
-                        }
+                    let batch: Vec<Message> = std::iter::once(first).chain(received.try_iter()).collect();
+                    let text: String = batch.iter().map(|message| message.text.as_str()).collect();
+                    if text.is_empty() {
+                        continue;
+                    }
+                    if let Err(e) = file.write_all(text.as_bytes()).and_then(|()| file.sync()) {
+                        let mut failure = shared.lock().expect("the lock is held for assignments only");
+                        *failure = Some(format!("{}: {e}", path.display()));
+                        return;
                     }
                 }
             })
             .map_err(FileError::io(&log_path(wavelet_file)))?;
-        let journal = Self { lines: Some(lines), writer: Some(writer), state, _lock: lock };
-        if keep == 0 {
-            journal.commit(&Entry::Binding { of: of.to_string() }, None);
-        }
-        Ok(journal)
+        Ok(Self { lines: Some(lines), writer: Some(writer), failure, _lock: lock })
     }
 
     /// Hands a line to the writer. Returns at once.
     pub fn commit(&self, entry: &Entry, hash: Option<SurfaceHash>) {
         let mut text = Line::to_text(entry, hash);
         text.push('\n');
+        self.send(Message { text, _waiting: None });
+    }
+
+    /// Waits until every line committed so far is on disk, or why it is not.
+    pub fn flush(&self) -> Option<String> {
+        let (waiting, done) = channel();
+        self.send(Message { text: String::new(), _waiting: Some(waiting) });
+        // Nothing is ever sent: the other end is dropped when all is written or the writer has given up.
+        let _ = done.recv();
+        self.failure()
+    }
+
+    fn send(&self, message: Message) {
         if let Some(lines) = &self.lines {
             // A writer that has failed has said why; see `failure`.
-            let _ = lines.send(text);
+            let _ = lines.send(message);
         }
     }
 
     /// Why lines no longer reach the disk, if they do not.
     pub fn failure(&self) -> Option<String> {
-        self.state.lock().expect("the lock is held for assignments only").failure.clone()
+        self.failure.lock().expect("the lock is held for assignments only").clone()
     }
 
     /// Waits until every line is on disk.

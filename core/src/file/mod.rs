@@ -9,5 +9,5 @@ mod wavelet_file;
 
 pub use chunk::Chunk;
 pub use error::FileError;
-pub use journal::{Journal, Log, NumberedLine, lock, log_path, read_log};
+pub use journal::{Journal, Log, NumberedLine, lock, log_path, read_log, write_log};
 pub use wavelet_file::{MOST_VERTICES, Metadata, Model, decode, encode, source_by_public_id};

@@ -2,14 +2,16 @@
 //!
 //! Order: preamble, `HEAD`, `BASE`, `SCAL`, `WAVE` blocks coarse to fine, `END!`, then ancillary chunks. Nothing
 //! before the end marker depends on anything after it, so every prefix that holds the base mesh is a valid model;
-//! coefficients that are missing count as zero. A reader refuses sizes it cannot hold before it allocates them.
+//! coefficients that are missing count as zero. After the marker the surface is whole, and a cut there costs only what
+//! stands beside it. A reader refuses sizes it cannot hold before it allocates them. Ancillary chunks may stand
+//! anywhere after `HEAD`; rewriting moves those it does not know to the end.
 
 use super::FileError;
 use super::blocks::{self, BLOCK};
 use super::chunk::{self, Chunk, Kind, Stop};
 use super::header::{self, Header};
 use crate::hierarchy::{BaseMesh, Hierarchy, Level, PublicId};
-use crate::surface::{Surface, SurfaceHash, Vector};
+use crate::surface::{Surface, SurfaceHash, Vector, within_limit};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -22,6 +24,7 @@ const WAVELETS: Kind = *b"WAVE";
 const END: Kind = *b"END!";
 const SOURCE: Kind = *b"SRCE";
 const META: Kind = *b"META";
+const KNOWN: [Kind; 5] = [HEAD, BASE, SCALING, WAVELETS, END];
 
 /// The most vertices that are opened: 2^26, about 2 GB in memory.
 pub const MOST_VERTICES: u32 = 1 << 26;
@@ -47,6 +50,8 @@ pub struct Model {
     pub metadata: Metadata,
     /// Whether everything up to the end marker was there.
     pub complete: bool,
+    /// Whether the file ends inside a chunk after the end marker: the surface is whole, something beside it is lost.
+    pub tail_cut: bool,
     /// The hash that the header states for the complete surface.
     pub stated_hash: SurfaceHash,
     /// Ancillary chunks this version does not know; they survive a rewrite.
@@ -62,6 +67,7 @@ impl Model {
             source: source.map(Arc::new),
             metadata,
             complete: true,
+            tail_cut: false,
             stated_hash,
             unknown: Vec::new(),
         }
@@ -110,13 +116,15 @@ pub fn encode(model: &Model) -> Vec<u8> {
 /// # Errors
 /// Damage, a file cut before its base mesh ends, features of a newer version, or a surface too large to hold.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Model, FileError> {
-    Reader { bytes, path, at: 0 }.model()
+    Reader { bytes, path, at: 0, unknown: Vec::new() }.model()
 }
 
 struct Reader<'a> {
     bytes: &'a [u8],
     path: &'a Path,
     at: usize,
+    /// Ancillary chunks passed on the way.
+    unknown: Vec<Chunk>,
 }
 
 const RESTORE: &str = "restore the file from a copy";
@@ -144,15 +152,18 @@ impl Reader<'_> {
 
         let mut wavelets: Vec<Vec<Vector>> =
             (0..head.levels).map(|j| vec![[0; 3]; hierarchy.layout(Level(j)).odd_len() as usize]).collect();
-        let complete = self.blocks(&mut wavelets)?;
+        let complete = self.blocks(&mut wavelets, head.hash)?;
+        let beyond =
+            || self.error(PREAMBLE_END, "coefficients reach beyond the range of coordinates", RESTORE);
+        // Before synthesis, whose sums are exact within the limit only.
+        if !coarsest.iter().chain(wavelets.iter().flatten()).flatten().all(|&x| within_limit(x)) {
+            return Err(beyond());
+        }
         let surface = Surface::from_coefficients(hierarchy, head.form, coarsest, wavelets)
             .map_err(|e| self.error(base_at, e.to_string(), "import the model again"))?;
-        if !surface.is_within_limit() {
-            return Err(self.error(
-                PREAMBLE_END,
-                "coefficients reach beyond the range of coordinates",
-                RESTORE,
-            ));
+        // Positions of a partial surface may overshoot where the missing detail would have held them back.
+        if complete && !surface.is_within_limit() {
+            return Err(beyond());
         }
         if complete && surface.hash() != head.hash {
             return Err(self.error(
@@ -166,12 +177,14 @@ impl Reader<'_> {
             source: None,
             metadata: Metadata::default(),
             complete,
+            tail_cut: false,
             stated_hash: head.hash,
             unknown: Vec::new(),
         };
         if complete {
             self.ancillary(&mut model)?;
         }
+        model.unknown = self.unknown;
         Ok(model)
     }
 
@@ -205,11 +218,23 @@ impl Reader<'_> {
         }
     }
 
+    /// The next critical chunk and where it began; ancillary ones before it are set aside.
+    fn next_critical(&mut self) -> Result<Option<(usize, Chunk)>, FileError> {
+        while let Some((at, chunk)) = self.next()? {
+            if chunk.critical {
+                return Ok(Some((at, chunk)));
+            }
+            self.unknown.push(chunk);
+        }
+        Ok(None)
+    }
+
     /// A chunk without which there is no model.
     fn required(&mut self, kind: Kind) -> Result<(usize, Chunk), FileError> {
         let mend = "get the rest of the file";
-        match self.next()? {
+        match self.next_critical()? {
             None => Err(self.error(self.bytes.len(), "the file ends before its base mesh does", mend)),
+            Some((at, chunk)) if !KNOWN.contains(&chunk.kind) => Err(self.not_known(at, chunk.kind)),
             Some((at, chunk)) if chunk.kind != kind => {
                 let what = format!("a {} chunk stands where {} belongs", letters(chunk.kind), letters(kind));
                 Err(self.error(at, what, RESTORE))
@@ -241,9 +266,9 @@ impl Reader<'_> {
     }
 
     /// Reads blocks up to the end marker; whether it was there.
-    fn blocks(&mut self, wavelets: &mut [Vec<Vector>]) -> Result<bool, FileError> {
+    fn blocks(&mut self, wavelets: &mut [Vec<Vector>], hash: SurfaceHash) -> Result<bool, FileError> {
         let mut due = (0usize, 0usize);
-        while let Some((at, chunk)) = self.next()? {
+        while let Some((at, chunk)) = self.next_critical()? {
             while due.0 < wavelets.len() && due.1 == wavelets[due.0].len() {
                 due = (due.0 + 1, 0);
             }
@@ -251,14 +276,13 @@ impl Reader<'_> {
                 if due.0 < wavelets.len() {
                     return Err(self.error(at, "coefficients are missing before the end marker", RESTORE));
                 }
+                if self.unpack(at, &chunk, 16)? != hash.0 {
+                    return Err(self.error(at, "the end marker belongs to another surface", RESTORE));
+                }
                 return Ok(true);
             }
             if chunk.kind != WAVELETS {
-                if chunk.critical {
-                    let what = format!("the critical chunk {} is not known", letters(chunk.kind));
-                    return Err(self.error(at, what, "open it with a newer Bozzetto"));
-                }
-                continue;
+                return Err(self.not_known(at, chunk.kind));
             }
             let raw = self.unpack(at, &chunk, 8 + 12 * BLOCK as u64)?;
             let wrong = || self.error(at, "a block of coefficients is not the one that is due", RESTORE);
@@ -296,17 +320,17 @@ impl Reader<'_> {
                         self.error(at, format!("the metadata is not readable ({e})"), RESTORE)
                     })?;
                 }
-                kind if chunk.critical => {
-                    let what = format!("the critical chunk {} is not known", letters(kind));
-                    return Err(self.error(at, what, "open it with a newer Bozzetto"));
-                }
-                _ => model.unknown.push(chunk),
+                kind if chunk.critical => return Err(self.not_known(at, kind)),
+                _ => self.unknown.push(chunk),
             }
         }
-        if self.at != self.bytes.len() {
-            return Err(self.error(self.at, "the file ends inside a chunk", RESTORE));
-        }
+        model.tail_cut = self.at != self.bytes.len();
         Ok(())
+    }
+
+    fn not_known(&self, at: usize, kind: Kind) -> FileError {
+        let what = format!("the critical chunk {} is not known here", letters(kind));
+        self.error(at, what, "open it with a newer Bozzetto")
     }
 }
 

@@ -14,7 +14,9 @@ pub use replay::{ReplayError, ReplayReason, effective};
 
 use crate::disk::Vfs;
 use crate::edit::{Edit, EditError, Entry};
-use crate::file::{FileError, Journal, Metadata, Model, NumberedLine, decode, encode, lock, log_path};
+use crate::file::{
+    FileError, Journal, Metadata, Model, NumberedLine, decode, encode, lock, log_path, write_log,
+};
 use crate::surface::{Changes, Surface, SurfaceHash};
 use replay::Record;
 use std::path::{Path, PathBuf};
@@ -48,6 +50,9 @@ pub enum SessionError {
         /// The wavelet file.
         path: PathBuf,
     },
+    /// The log does not reach the disk any more.
+    #[error("{0}; make room or check the disk, and save the surface under another name")]
+    Journal(String),
     /// There is no file to save to yet.
     #[error("this surface has no file yet; choose where to save it")]
     NoFile,
@@ -230,17 +235,23 @@ impl Session {
         self.journal.as_ref().and_then(Journal::failure)
     }
 
-    /// Adds a save mark to the log. Everything committed is on disk already.
+    /// Adds a save mark to the log and waits until it is on disk with everything before it.
     ///
     /// # Errors
-    /// The surface has no file yet.
+    /// The surface has no file yet, or the log cannot be written.
     pub fn save(&mut self) -> Result<(), SessionError> {
         if self.path.is_none() {
             return Err(SessionError::NoFile);
         }
         self.end_stroke();
         let hash = self.hash();
+        if let Some(failure) = self.journal_failure() {
+            return Err(SessionError::Journal(failure));
+        }
         self.commit(Entry::Save, Some(hash));
+        if let Some(failure) = self.journal.as_ref().and_then(Journal::flush) {
+            return Err(SessionError::Journal(failure));
+        }
         self.saved_at = self.log.len();
         Ok(())
     }
@@ -260,36 +271,71 @@ impl Session {
             (None, Some(old)) => Arc::new(self.vfs.0.read(old).map_err(|cause| io_error(old, cause))?),
             (None, None) => return Err(SessionError::NoFile),
         };
-        let lock = lock(&*self.vfs.0, &path)?;
-        // A log of the file that is being replaced must not be taken for this one's, whatever happens in between.
-        let journal = Journal::open(&*self.vfs.0, &path, self.original, 0, lock)?;
-        self.vfs.0.replace(&path, &bytes).map_err(|cause| io_error(&path, cause))?;
-        for (entry, hash) in &self.log {
-            journal.commit(entry, *hash);
-        }
+        let mut log = self.log.clone();
+        log.push((Entry::Save, Some(self.hash())));
+        let journal = self.write_pair(&path, &bytes, &log)?;
+        self.saved_at = log.len();
+        self.log = log;
         self.journal = Some(journal);
         self.path = Some(path);
         self.unsaved = None;
-        self.save()
+        Ok(())
+    }
+
+    /// Writes a wavelet file and its log so that what is there meanwhile, or after a failure, never takes one
+    /// document's log for another's: a new file appears after its log, and a file that is replaced comes back with its
+    /// log if not all can be written. Returns the journal that goes on there.
+    fn write_pair(
+        &self,
+        path: &Path,
+        bytes: &[u8],
+        log: &[(Entry, Option<SurfaceHash>)],
+    ) -> Result<Journal, FileError> {
+        let vfs = &*self.vfs.0;
+        let lock = lock(vfs, path)?;
+        let write = |bytes: &[u8]| vfs.replace(path, bytes).map_err(|cause| io_error(path, cause));
+        if !vfs.exists(path) {
+            let length = write_log(vfs, path, self.original, log)?;
+            write(bytes)?;
+            return Journal::open(vfs, path, length, lock);
+        }
+        let old = vfs.read(path).map_err(|cause| io_error(path, cause))?;
+        let logs = log_path(path);
+        let old_log = match vfs.exists(&logs) {
+            true => vfs.read(&logs).map_err(|cause| io_error(&logs, cause))?,
+            false => Vec::new(),
+        };
+        let written = write(bytes).and_then(|()| write_log(vfs, path, self.original, log));
+        written.and_then(|length| Journal::open(vfs, path, length, lock)).inspect_err(|_| {
+            // Should this fail too, opening refuses the pair, with both files whole.
+            let _ = write(&old);
+            let _ = vfs.replace(&logs, &old_log);
+        })
     }
 
     /// Writes one baked file: the surface as it is now, without history.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// The file cannot be written, or one with a log of its own is there.
     pub fn save_copy(&self, path: &Path) -> Result<(), SessionError> {
-        let mut model = self.model.clone();
-        model.stated_hash = model.surface.hash();
-        self.vfs.0.replace(path, &encode(&model)).map_err(|cause| io_error(path, cause))?;
+        let log = log_path(path);
+        if self.vfs.0.exists(&log) {
+            return Err(FileError::HasLog { log }.into());
+        }
+        self.vfs.0.replace(path, &encode(&self.model)).map_err(|cause| io_error(path, cause))?;
         Ok(())
     }
 
     /// Takes back everything since the last save mark, for good, and closes. The log keeps it all.
-    pub fn discard(mut self) {
+    ///
+    /// # Errors
+    /// Why the log is not on disk; opening then finds the edits still there.
+    pub fn discard(mut self) -> Result<(), String> {
         self.cancel_stroke();
         if self.log.len() > self.saved_at {
             self.commit(Entry::Discard, None);
         }
+        self.close()
     }
 
     /// Waits until the log is on disk and closes.

@@ -4,7 +4,7 @@ use super::replay::{Record, effective, replay};
 use super::{FileError, Journal, Model, Session, SessionError, Shared, decode, io_error, lock, log_path};
 use crate::disk::Vfs;
 use crate::edit::Entry;
-use crate::file::{Log, NumberedLine, read_log};
+use crate::file::{Log, NumberedLine, read_log, write_log};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -43,6 +43,8 @@ struct Parts {
     model: Model,
     lines: Vec<NumberedLine>,
     log: Log,
+    /// The log names another file and was taken all the same.
+    rebound: bool,
     notes: Vec<String>,
 }
 
@@ -56,15 +58,34 @@ fn read_parts(vfs: &dyn Vfs, path: &Path, options: OpenOptions) -> Result<Parts,
     } else {
         Log::default()
     };
-    if let Some(of) = log.of.as_ref().filter(|of| **of != model.stated_hash.to_string() && !options.rebind) {
-        let expected = model.stated_hash.to_string();
-        return Err(FileError::ForeignLog { path: logs, of: of.clone(), expected }.into());
+    if model.tail_cut {
+        notes.push(format!(
+            "{}: the surface is whole, but the file was cut short after it; what stood beside it may be missing",
+            path.display()
+        ));
     }
+    let expected = model.stated_hash.to_string();
+    let foreign = log.of.as_ref().filter(|of| **of != expected);
+    let rebound = match foreign {
+        Some(of) if !options.rebind => {
+            return Err(FileError::ForeignLog { path: logs, of: of.clone(), expected }.into());
+        }
+        Some(of) => {
+            notes
+                .push(format!("{}: this log of another wavelet file ({of}) is applied here", logs.display()));
+            true
+        }
+        None => false,
+    };
     if log.torn {
         notes.push(format!("{}: the last line was cut short and is left out", logs.display()));
     }
-    let lines = effective(&log.lines, options.log == LogUse::Saved);
-    Ok(Parts { model, lines, log, notes })
+    let mut lines = effective(&log.lines, options.log == LogUse::Saved);
+    if rebound {
+        // The recorded hashes are those of the other surface.
+        lines.iter_mut().for_each(|numbered| numbered.line.hash = None);
+    }
+    Ok(Parts { model, lines, log, rebound, notes })
 }
 
 /// Reads a wavelet file and replays its log, without a lock and without writing anything. A partial file is taken
@@ -77,7 +98,7 @@ pub fn open_model(
     path: &Path,
     options: OpenOptions,
 ) -> Result<(Model, Vec<String>), SessionError> {
-    let Parts { mut model, lines, log, mut notes } = read_parts(vfs, path, options)?;
+    let Parts { mut model, lines, log, mut notes, .. } = read_parts(vfs, path, options)?;
     if !model.complete {
         if !lines.is_empty() {
             return Err(SessionError::Partial { path: path.to_owned() });
@@ -110,7 +131,7 @@ impl Session {
         progress: &dyn Fn(f32) -> bool,
     ) -> Result<Opened, SessionError> {
         let lock = lock(&*vfs, path)?;
-        let Parts { model, lines, log, mut notes } = read_parts(&*vfs, path, options)?;
+        let Parts { model, lines, log, rebound, mut notes } = read_parts(&*vfs, path, options)?;
         let mut session = Self::replayed(vfs.clone(), path, model, lines, progress)?;
         let logs = log_path(path);
         let mut keep = log.good_bytes;
@@ -121,16 +142,16 @@ impl Session {
                 "{logs}, line {line}: {what}; the edits before it are kept, all of it is in {copy}"
             ));
         }
-        if options.log != LogUse::Whole && vfs.exists(&logs) {
+        if (options.log != LogUse::Whole || rebound) && vfs.exists(&logs) {
             // What is left out stays in a copy; the log itself goes on from what was taken.
             let copy = keep_copy(&*vfs, &logs)?;
             notes.push(format!("the whole log is kept in {}", copy.display()));
             keep = 0;
         }
-        let journal = Journal::open(&*vfs, path, session.original, keep, lock)?;
         if keep == 0 {
-            session.log.iter().for_each(|(entry, hash)| journal.commit(entry, *hash));
+            keep = write_log(&*vfs, path, session.original, &session.log)?;
         }
+        let journal = Journal::open(&*vfs, path, keep, lock)?;
         session.path = Some(path.to_owned());
         session.journal = Some(journal);
         Ok(Opened { session, notes })
@@ -147,7 +168,7 @@ impl Session {
         options: OpenOptions,
         progress: &dyn Fn(f32) -> bool,
     ) -> Result<Opened, SessionError> {
-        let Parts { model, lines, log, notes } = read_parts(&*vfs, path, options)?;
+        let Parts { model, lines, log, notes, .. } = read_parts(&*vfs, path, options)?;
         if let Some((line, what)) = log.damage {
             return Err(damaged(&log_path(path), line, what).into());
         }

@@ -16,6 +16,9 @@ pub(super) struct Stroke {
 
 impl Stroke {
     fn begin(surface: &Surface, edit: Move) -> Result<Self, EditError> {
+        if edit.v != 1 {
+            return Err(EditError::UnknownVersion { version: edit.v });
+        }
         let region = Region::of(surface, &edit)?;
         Ok(Self { edit, applied: region.moved_by([0; 3]), region, delta: [0; 3] })
     }

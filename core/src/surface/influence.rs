@@ -63,11 +63,11 @@ fn one_finer(fine: &Layout, coarse: &Layout, values: &FxHashMap<Site, f64>) -> F
     for (&site, &value) in values {
         let even = Layout::refine(site);
         finer.insert(even, value);
-        for odd in fine.ring(even).around {
+        fine.for_each_neighbour(even, |odd| {
             let at = |p: Site| values.get(&p).copied().unwrap_or(0.0);
             let [a, b] = coarse.parents(odd);
             finer.insert(odd, (at(a) + at(b)) * 0.5);
-        }
+        });
     }
     finer
 }

@@ -89,9 +89,9 @@ impl Surface {
                 }
                 Some(even) => {
                     evens.insert(coarse.slot(even).0);
-                    for neighbour in fine.ring(site).around {
-                        odds.insert(coarse.odd_at(neighbour).0);
-                    }
+                    fine.for_each_neighbour(site, |odd| {
+                        odds.insert(coarse.odd_at(odd).0);
+                    });
                 }
             }
         }
@@ -178,9 +178,9 @@ impl Surface {
             odds.insert(odd.0);
         }
         for &(slot, _) in &steps {
-            for neighbour in fine.ring(fine.site(slot)).around {
-                odds.insert(coarse.odd_at(neighbour).0);
-            }
+            fine.for_each_neighbour(fine.site(slot), |odd| {
+                odds.insert(coarse.odd_at(odd).0);
+            });
         }
         for &odd in odds.members() {
             let odd = Odd(odd);
@@ -233,9 +233,9 @@ fn spread(layout: &Layout, ends: &[Site], k: u8, seen: &mut Marks, reached: &mut
         let to = seen.members().len();
         for at in from..to {
             let site = layout.site(Slot(seen.members()[at]));
-            for neighbour in layout.ring_slots(site) {
-                seen.insert(neighbour.0);
-            }
+            layout.for_each_neighbour(site, |neighbour| {
+                seen.insert(layout.slot(neighbour).0);
+            });
         }
         from = to;
     }

@@ -7,6 +7,7 @@
 
 mod changes;
 mod digest;
+mod form;
 mod influence;
 mod local;
 mod marks;
@@ -14,11 +15,12 @@ mod placement;
 
 pub use changes::{Changes, Moved};
 pub use digest::{CoefficientSum, SurfaceHash, header_bytes};
+pub use form::{Form, FormOptions, NotASurface};
 pub use placement::{DEFAULT_PRECISION, LIMIT, NotPlaceable, PRECISIONS, Placement, UpAxis};
 
 use crate::hierarchy::{Hierarchy, Level, Odd, PublicId, Slot};
 use crate::mesh::TriangleMesh;
-use crate::wavelet::{Filters, Scheme, ValenceTooHigh, Wavelet, lifting};
+use crate::wavelet::{Filters, ValenceTooHigh, lifting};
 use marks::Marks;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -28,19 +30,6 @@ pub type Vector = [i32; 3];
 
 /// The names of the channels, in order.
 pub const CHANNELS: [&str; 3] = ["x", "y", "z"];
-
-/// What a surface is besides connectivity and coefficients.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Form {
-    /// How odd vertices are predicted.
-    pub scheme: Scheme,
-    /// Which wavelets.
-    pub wavelet: Wavelet,
-    /// Bits of precision at import.
-    pub precision: u8,
-    /// Where the lattice lies in model space.
-    pub placement: Placement,
-}
 
 /// A wavelet surface. Memory: 28 bytes per finest vertex.
 #[derive(Debug, Clone)]
@@ -211,6 +200,6 @@ impl Surface {
 }
 
 /// Whether a coordinate or coefficient may stand in a surface.
-fn within_limit(x: i32) -> bool {
+pub(crate) fn within_limit(x: i32) -> bool {
     (-LIMIT..=LIMIT).contains(&x)
 }

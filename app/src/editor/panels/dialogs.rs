@@ -4,7 +4,9 @@ use super::Seen;
 use crate::editor::command::Command;
 use crate::editor::dialog::{Dialog, PathTask};
 use crate::editor::theme;
-use bozzetto_core::conversion::{ImportOptions, Remesh};
+use crate::opening::ImportOptions;
+use bozzetto_core::conversion::{ConversionOptions, Remesh};
+use bozzetto_core::surface::FormOptions;
 use bozzetto_core::wavelet::Wavelet;
 use std::path::PathBuf;
 
@@ -34,7 +36,8 @@ fn path_dialog(ui: &mut egui::Ui, task: PathTask, path: &str, seen: &Seen<'_>, c
     let mut task_now = task;
     let field = ui
         .horizontal(|ui| {
-            let field = ui.add(egui::TextEdit::singleline(&mut edited).desired_width(340.0).hint_text("path"));
+            let field =
+                ui.add(egui::TextEdit::singleline(&mut edited).desired_width(340.0).hint_text("path"));
             field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
             if ui.button("Browse…").clicked() {
                 commands.push(Command::Browse);
@@ -75,7 +78,9 @@ fn path_dialog(ui: &mut egui::Ui, task: PathTask, path: &str, seen: &Seen<'_>, c
     ui.add_space(8.0);
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let ready = !edited.trim().is_empty();
-        if (ui.add_enabled(ready, egui::Button::new(verb).fill(theme::ACCENT)).clicked() || confirmed) && ready {
+        if (ui.add_enabled(ready, egui::Button::new(verb).fill(theme::ACCENT)).clicked() || confirmed)
+            && ready
+        {
             commands.push(Command::CloseDialog);
             commands.push(command(task_now, PathBuf::from(edited.trim())));
         }
@@ -90,7 +95,9 @@ fn command(task: PathTask, path: PathBuf) -> Command {
         PathTask::Open => Command::Open(path),
         PathTask::Import { wavelet, own_base } => {
             let remesh = if own_base { Remesh::Never } else { Remesh::Auto };
-            Command::Import(path, Box::new(ImportOptions { wavelet, remesh, ..ImportOptions::default() }))
+            let conversion = ConversionOptions { levels: None, remesh };
+            let form = FormOptions { wavelet, ..FormOptions::default() };
+            Command::Import(path, Box::new(ImportOptions { conversion, form }))
         }
         PathTask::SaveAs => Command::SaveAs(path),
         PathTask::SaveCopy => Command::SaveCopy(path),

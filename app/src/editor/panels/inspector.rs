@@ -28,11 +28,14 @@ pub(crate) fn inspector(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
 }
 
 fn section(ui: &mut egui::Ui, title: &str, content: impl FnOnce(&mut egui::Ui)) {
-    egui::CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(true).show_unindented(ui, |ui| {
-        ui.add_space(2.0);
-        content(ui);
-        ui.add_space(8.0);
-    });
+    egui::CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(true).show_unindented(
+        ui,
+        |ui| {
+            ui.add_space(2.0);
+            content(ui);
+            ui.add_space(8.0);
+        },
+    );
 }
 
 fn levels(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands: &mut Vec<Command>) {
@@ -49,28 +52,31 @@ fn levels(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands:
     let hierarchy = document.surface().hierarchy();
     let finest = hierarchy.finest();
     let last = Settings::last_level(settings.kind, finest);
-    egui::Grid::new("levels").num_columns(4).min_col_width(48.0).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
-        ui.colored_label(theme::FAINT, "level");
-        ui.colored_label(theme::FAINT, "edit");
-        ui.colored_label(theme::FAINT, "show");
-        ui.colored_label(theme::FAINT, "vertices");
-        ui.end_row();
-        for level in (0..=finest.0).rev().map(Level) {
-            ui.label(level.to_string());
-            let edit = ui.add_enabled(level <= last, egui::RadioButton::new(settings.level == level, ""));
-            name(&edit, format!("Edit level {level}"));
-            if edit.clicked() {
-                commands.push(Command::SetLevel(level.0));
-            }
-            let show = ui.radio(settings.shown == level, "");
-            name(&show, format!("Show level {level}"));
-            if show.clicked() {
-                commands.push(Command::SetShown(level.0));
-            }
-            ui.label(grouped(u64::from(hierarchy.layout(level).len())));
+    egui::Grid::new("levels").num_columns(4).min_col_width(48.0).spacing([10.0, 2.0]).striped(true).show(
+        ui,
+        |ui| {
+            ui.colored_label(theme::FAINT, "level");
+            ui.colored_label(theme::FAINT, "edit");
+            ui.colored_label(theme::FAINT, "show");
+            ui.colored_label(theme::FAINT, "vertices");
             ui.end_row();
-        }
-    });
+            for level in (0..=finest.0).rev().map(Level) {
+                ui.label(level.to_string());
+                let edit = ui.add_enabled(level <= last, egui::RadioButton::new(settings.level == level, ""));
+                name(&edit, format!("Edit level {level}"));
+                if edit.clicked() {
+                    commands.push(Command::SetLevel(level.0));
+                }
+                let show = ui.radio(settings.shown == level, "");
+                name(&show, format!("Show level {level}"));
+                if show.clicked() {
+                    commands.push(Command::SetShown(level.0));
+                }
+                ui.label(grouped(u64::from(hierarchy.layout(level).len())));
+                ui.end_row();
+            }
+        },
+    );
 }
 
 fn coefficient(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands: &mut Vec<Command>) {
@@ -82,7 +88,9 @@ fn coefficient(ui: &mut egui::Ui, document: &Document, settings: &Settings, comm
         Some(target) => {
             let layout = surface.hierarchy().layout(target.level);
             let steps = match target.kind {
-                Kind::Scaling => surface.scaling(target.level)[layout.slot(layout.site_of(target.vertex)).index()],
+                Kind::Scaling => {
+                    surface.scaling(target.level)[layout.slot(layout.site_of(target.vertex)).index()]
+                }
                 Kind::Wavelet => surface.wavelets(target.level)[(target.vertex.0 - layout.len()) as usize],
             };
             let placement = &surface.form().placement;
@@ -95,10 +103,14 @@ fn coefficient(ui: &mut egui::Ui, document: &Document, settings: &Settings, comm
         }
     }
     let mut radius = settings.radius;
-    let slider = egui::Slider::new(&mut radius, 0.0..=1.0).text("reach").custom_formatter(|x, _| {
-        if x == 0.0 { "one".to_owned() } else { format!("{:.0} %", x * 100.0) }
-    });
-    if ui.add(slider).on_hover_text("Moves the neighbourhood too, up to this share of the model's radius").changed() {
+    let slider = egui::Slider::new(&mut radius, 0.0..=1.0)
+        .text("reach")
+        .custom_formatter(|x, _| if x == 0.0 { "one".to_owned() } else { format!("{:.0} %", x * 100.0) });
+    if ui
+        .add(slider)
+        .on_hover_text("Moves the neighbourhood too, up to this share of the model's radius")
+        .changed()
+    {
         commands.push(Command::SetRadius(radius));
     }
     ui.add_enabled_ui(settings.radius > 0.0, |ui| {
@@ -143,9 +155,12 @@ fn gain(ui: &mut egui::Ui, settings: &Settings, finest: Level, commands: &mut Ve
 fn display(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         tighten(ui);
-        for (shading, name) in
-            [(Shading::Clay, "clay"), (Shading::Porcelain, "porcelain"), (Shading::Flat, "flat"), (Shading::Normals, "normals")]
-        {
+        for (shading, name) in [
+            (Shading::Clay, "clay"),
+            (Shading::Porcelain, "porcelain"),
+            (Shading::Flat, "flat"),
+            (Shading::Normals, "normals"),
+        ] {
             if ui.selectable_label(settings.shading == shading, name).clicked() {
                 commands.push(Command::SetShading(shading));
             }
@@ -154,8 +169,18 @@ fn display(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands
     for (overlay, on, name, tip) in [
         (Overlay::Edges, settings.edges, "level's edges", "The edges of the edited level, on the surface"),
         (Overlay::Handles, settings.handles, "handles", "A dot at every coefficient of the edited level"),
-        (Overlay::Support, settings.support, "support", "Where the selected coefficient acts: orange up, blue down"),
-        (Overlay::Control, settings.control, "control polyhedron", "The coarse surface of the edited level itself"),
+        (
+            Overlay::Support,
+            settings.support,
+            "support",
+            "Where the selected coefficient acts: orange up, blue down",
+        ),
+        (
+            Overlay::Control,
+            settings.control,
+            "control polyhedron",
+            "The coarse surface of the edited level itself",
+        ),
     ] {
         let mut checked = on;
         if ui.checkbox(&mut checked, name).on_hover_text(tip).changed() {
@@ -169,18 +194,21 @@ fn display(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands
 fn history(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command>) {
     let session = &document.session;
     let current = session.steps();
-    egui::ScrollArea::vertical().max_height(220.0).auto_shrink([false, true]).stick_to_bottom(true).show(ui, |ui| {
-        if ui.selectable_label(current == 0, "Opened").clicked() {
-            commands.push(Command::GoTo(0));
-        }
-        for (at, edit) in session.history().enumerate() {
-            let text = egui::RichText::new(format!("{}  {edit}", at + 1));
-            let text = if at + 1 > current { text.color(theme::FAINT) } else { text };
-            if ui.selectable_label(at + 1 == current, text).clicked() {
-                commands.push(Command::GoTo(at + 1));
+    egui::ScrollArea::vertical().max_height(220.0).auto_shrink([false, true]).stick_to_bottom(true).show(
+        ui,
+        |ui| {
+            if ui.selectable_label(current == 0, "Opened").clicked() {
+                commands.push(Command::GoTo(0));
             }
-        }
-    });
+            for (at, edit) in session.history().enumerate() {
+                let text = egui::RichText::new(format!("{}  {edit}", at + 1));
+                let text = if at + 1 > current { text.color(theme::FAINT) } else { text };
+                if ui.selectable_label(at + 1 == current, text).clicked() {
+                    commands.push(Command::GoTo(at + 1));
+                }
+            }
+        },
+    );
 }
 
 /// Narrow gaps, for rows of several choices.

@@ -33,7 +33,8 @@ pub(super) struct Seen<'a> {
 
 /// A button that is an icon, with a name for people who cannot see it and a tip for those who can.
 fn icon_button(ui: &mut egui::Ui, enabled: bool, icon: lucide_icons::Icon, name: &str, tip: &str) -> bool {
-    let button = egui::Button::new(super::theme::icon(icon, 17.0)).min_size(egui::vec2(34.0, 32.0)).frame(false);
+    let button =
+        egui::Button::new(super::theme::icon(icon, 17.0)).min_size(egui::vec2(34.0, 32.0)).frame(false);
     let response = ui.add_enabled(enabled, button).on_hover_text(tip).on_disabled_hover_text(tip);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, name));
     response.clicked()

@@ -27,11 +27,25 @@ pub(crate) fn strip(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
             }
         };
         let ask = |task: PathTask| Command::Ask(task.dialog());
-        button(ui, idle, Icon::FolderOpen, "Open", "Open a wavelet file or mesh (Ctrl+O)", ask(PathTask::Open));
+        button(
+            ui,
+            idle,
+            Icon::FolderOpen,
+            "Open",
+            "Open a wavelet file or mesh (Ctrl+O)",
+            ask(PathTask::Open),
+        );
         button(ui, idle, Icon::Import, "Import", "Import a mesh", ask(import));
         button(ui, open, Icon::Save, "Save", "Save (Ctrl+S)", Command::Save);
         button(ui, open, Icon::SaveAll, "Save as", "Save as (Ctrl+Shift+S)", ask(PathTask::SaveAs));
-        button(ui, open, Icon::FileBox, "Save a copy", "Save a baked copy, without history", ask(PathTask::SaveCopy));
+        button(
+            ui,
+            open,
+            Icon::FileBox,
+            "Save a copy",
+            "Save a baked copy, without history",
+            ask(PathTask::SaveCopy),
+        );
         button(ui, open, Icon::Share, "Export", "Export a level as a mesh", ask(export));
         ui.add_space(4.0);
         ui.separator();
@@ -43,7 +57,14 @@ pub(crate) fn strip(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
         ui.add_space(4.0);
         button(ui, open, Icon::Maximize, "Fit", "Fit the surface into the picture (.)", Command::Fit);
         button(ui, open, Icon::Square, "Front view", "Look from the front (1)", Command::Look(View::FRONT));
-        button(ui, open, Icon::PanelRight, "Right view", "Look from the right (3)", Command::Look(View::RIGHT));
+        button(
+            ui,
+            open,
+            Icon::PanelRight,
+            "Right view",
+            "Look from the right (3)",
+            Command::Look(View::RIGHT),
+        );
         button(ui, open, Icon::PanelTop, "Top view", "Look from the top (7)", Command::Look(View::TOP));
         ui.add_space(4.0);
         ui.separator();

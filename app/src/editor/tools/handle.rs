@@ -103,7 +103,13 @@ impl HandleTool {
             (_, HandleEvent::Press(target, cursor)) => {
                 let on_picture = camera.project(target.position, picture).unwrap_or(cursor);
                 let grip = cursor - on_picture;
-                *self = HandleTool::Dragging(Drag { target, grip, axis: None, moved: DVec3::ZERO, before: false });
+                *self = HandleTool::Dragging(Drag {
+                    target,
+                    grip,
+                    axis: None,
+                    moved: DVec3::ZERO,
+                    before: false,
+                });
                 let Target { kind, level, vertex, .. } = target;
                 vec![Command::Select(Some(vertex)), Command::BeginStroke { kind, level: level.0, vertex }]
             }
@@ -136,7 +142,8 @@ impl HandleTool {
     pub(crate) fn hint(&self) -> String {
         match self {
             HandleTool::Idle => {
-                "Drag the background: orbit · right drag: pan · wheel: zoom · point at the surface to edit".into()
+                "Drag the background: orbit · right drag: pan · wheel: zoom · point at the surface to edit"
+                    .into()
             }
             HandleTool::Hovering(target) => format!(
                 "Drag: move {} coefficient {} of level {} · Ctrl: along the normal",
@@ -149,7 +156,9 @@ impl HandleTool {
                 };
                 let rest = match drag.target.kind {
                     bozzetto_core::edit::Kind::Scaling => "finer detail rides along",
-                    bozzetto_core::edit::Kind::Wavelet => "neighbours move back so that the coarse shape stays",
+                    bozzetto_core::edit::Kind::Wavelet => {
+                        "neighbours move back so that the coarse shape stays"
+                    }
                 };
                 format!("{rest} · {axis} · Ctrl: along the normal · B: before · Esc: cancel")
             }

@@ -1,0 +1,76 @@
+//! The wavelet form of a new surface, as arguments that every kind of import shares.
+
+use anyhow::{Result, bail};
+use bozzetto_core::surface::{DEFAULT_PRECISION, FormOptions, UpAxis};
+use bozzetto_core::wavelet::{Scheme, Wavelet};
+use clap::ValueEnum;
+
+/// Wavelet, scheme, precision and placement.
+#[derive(Debug, clap::Args)]
+pub(super) struct FormArgs {
+    /// Which wavelets: lazy, 0, 1 or 2 (the disc's radius).
+    #[arg(long, default_value = "2")]
+    wavelet: WaveletArg,
+    /// How odd vertices are predicted.
+    #[arg(long, default_value = "linear")]
+    scheme: SchemeArg,
+    /// Bits of precision.
+    #[arg(long, default_value_t = DEFAULT_PRECISION, value_parser = clap::value_parser!(u8).range(8..=25))]
+    precision: u8,
+    /// The model's up axis.
+    #[arg(long, default_value = "y")]
+    up: UpArg,
+    /// The model's unit of length, kept in the file.
+    #[arg(long, default_value = "")]
+    unit: String,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum WaveletArg {
+    Lazy,
+    #[value(name = "0")]
+    Zero,
+    #[value(name = "1")]
+    One,
+    #[value(name = "2")]
+    Two,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum SchemeArg {
+    Linear,
+    Butterfly,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum UpArg {
+    Y,
+    Z,
+}
+
+impl FormArgs {
+    /// As options of the core.
+    ///
+    /// # Errors
+    /// The scheme is not available.
+    pub(super) fn options(&self) -> Result<FormOptions> {
+        if matches!(self.scheme, SchemeArg::Butterfly) {
+            bail!("--scheme butterfly is not available in this version; use linear");
+        }
+        Ok(FormOptions {
+            wavelet: match self.wavelet {
+                WaveletArg::Lazy => Wavelet::Lazy,
+                WaveletArg::Zero => Wavelet::Disc(0),
+                WaveletArg::One => Wavelet::Disc(1),
+                WaveletArg::Two => Wavelet::Disc(2),
+            },
+            scheme: Scheme::Linear,
+            precision: self.precision,
+            up: match self.up {
+                UpArg::Y => UpAxis::Y,
+                UpArg::Z => UpAxis::Z,
+            },
+            unit: self.unit.clone(),
+        })
+    }
+}

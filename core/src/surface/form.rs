@@ -1,0 +1,80 @@
+//! What a surface is besides connectivity and coefficients, and surfaces made from positions.
+
+use super::{DEFAULT_PRECISION, NotPlaceable, Placement, Surface, UpAxis};
+use crate::hierarchy::Hierarchy;
+use crate::wavelet::{Scheme, ValenceTooHigh, Wavelet};
+use rayon::prelude::*;
+use thiserror::Error;
+
+/// What a surface is besides connectivity and coefficients.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Form {
+    /// How odd vertices are predicted.
+    pub scheme: Scheme,
+    /// Which wavelets.
+    pub wavelet: Wavelet,
+    /// Bits of precision at import.
+    pub precision: u8,
+    /// Where the lattice lies in model space.
+    pub placement: Placement,
+}
+
+/// The choices from which a form is made; the placement follows from the positions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FormOptions {
+    /// How odd vertices are predicted.
+    pub scheme: Scheme,
+    /// Which wavelets.
+    pub wavelet: Wavelet,
+    /// Bits of precision.
+    pub precision: u8,
+    /// The model's up axis.
+    pub up: UpAxis,
+    /// The model's unit, free text.
+    pub unit: String,
+}
+
+impl Default for FormOptions {
+    fn default() -> Self {
+        Self {
+            scheme: Scheme::Linear,
+            wavelet: Wavelet::Disc(2),
+            precision: DEFAULT_PRECISION,
+            up: UpAxis::Y,
+            unit: String::new(),
+        }
+    }
+}
+
+/// Why positions over a hierarchy make no surface.
+#[derive(Debug, Error, Clone, PartialEq)]
+pub enum NotASurface {
+    /// The positions cannot be placed.
+    #[error("{0}; check the model's coordinates")]
+    NotPlaceable(#[from] NotPlaceable),
+    /// A neighbourhood is too large.
+    #[error("{0}")]
+    Valence(#[from] ValenceTooHigh),
+}
+
+impl Surface {
+    /// A surface from model positions by slot of the finest level, each rounded to the nearest step. `O(n_J)`.
+    ///
+    /// # Errors
+    /// Positions that cannot be placed, or a base mesh whose valences the wavelet cannot serve.
+    ///
+    /// # Panics
+    /// If there are not exactly `n_J` positions.
+    pub fn from_positions(
+        hierarchy: Hierarchy,
+        positions: &[[f64; 3]],
+        options: &FormOptions,
+    ) -> Result<Self, NotASurface> {
+        let mut placement = Placement::around(positions, options.precision)?;
+        placement.up = options.up;
+        placement.unit.clone_from(&options.unit);
+        let finest = positions.par_iter().map(|&p| placement.to_steps(p)).collect();
+        let FormOptions { scheme, wavelet, precision, .. } = *options;
+        Ok(Self::from_finest(hierarchy, Form { scheme, wavelet, precision, placement }, finest)?)
+    }
+}
