@@ -158,3 +158,16 @@ fn difference(rows: &BTreeMap<usize, Row>, expected: &[Vec<f64>]) -> f64 {
     };
     rows.iter().map(of_row).fold(0.0, f64::max)
 }
+
+/// A mesh that is its own base mesh has no subdivision connectivity, and so no column to look its vertices up by.
+#[test]
+fn without_subdivision_connectivity_there_is_no_source() {
+    let work = Workplace::new();
+    work.write("in.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    work.succeeds(&["import", "in.obj", "-o", "out.boz", "--remesh", "never"]);
+    work.succeeds(&["coefficients", "out.boz", "--csv", "out.csv"]);
+    let table = work.text("out.csv");
+    let rows: Vec<&str> = table.lines().skip(1).collect();
+    assert_eq!(rows.len(), 3, "{table}");
+    assert!(rows.iter().all(|row| row.starts_with("scaling,0,") && row.contains(",,,,")), "{table}");
+}

@@ -273,6 +273,11 @@ fn what_is_not_subdivided_is_not_found() {
         split.faces.extend([[a, b, middle], [b, c, middle], [c, a, middle]]);
         assert!(find(&split, FINEST_LEVEL).is_none(), "{name}: one face in three");
     }
+    // Two triangles back to back are a manifold, but no simplicial complex and so no base mesh either.
+    let pillow = TriangleMesh { faces: vec![[0, 1, 2], [0, 2, 1]], ..shapes::triangle() };
+    assert!(find(&pillow, FINEST_LEVEL).is_none());
+    let own = convert(&pillow, &ConversionOptions { remesh: Remesh::Never, ..Default::default() });
+    assert!(matches!(own, Err(ConversionError::NotABaseMesh(_))));
     for (name, mesh) in shapes::awkward() {
         assert!(find(&mesh, FINEST_LEVEL).is_none(), "{name} itself");
         assert_eq!(

@@ -30,7 +30,9 @@ fn can_draw() -> bool {
     match Gpu::headless() {
         Ok(_) => true,
         Err(GpuError::NoAdapter(why)) => {
-            eprintln!("\n*** NOT TESTED: no graphics adapter ({why}); apt-get install mesa-vulkan-drivers ***\n");
+            eprintln!(
+                "\n*** NOT TESTED: no graphics adapter ({why}); apt-get install mesa-vulkan-drivers ***\n"
+            );
             false
         }
         Err(other) => panic!("{other}"),
@@ -43,7 +45,9 @@ fn editor(start: Start) -> Harness<'static, Editor> {
         .with_max_steps(40)
         .with_render_every_step(false)
         .wgpu()
-        .build_eframe(|cc| Editor::new(cc, Samples::One, Box::new(NoChooser), start).expect("the adapter suffices"));
+        .build_eframe(|cc| {
+            Editor::new(cc, Samples::One, Box::new(NoChooser), start).expect("the adapter suffices")
+        });
     settle(&mut harness);
     harness
 }
@@ -91,7 +95,8 @@ fn facing(editor: &Editor, kind: Kind, level: u8) -> Target {
             let pixel = on_screen(editor, t.position) - points(editor.picture().min.to_vec2());
             let ray = editor.camera().ray(pixel, points(editor.picture().size()));
             document.pick(&ray).is_some_and(|hit| {
-                (hit.point - t.position).length() < 1e-3 && document.target_at(&hit, kind, Level(level)).vertex == t.vertex
+                (hit.point - t.position).length() < 1e-3
+                    && document.target_at(&hit, kind, Level(level)).vertex == t.vertex
             })
         })
         .max_by(|a, b| towards_eye(a).total_cmp(&towards_eye(b)))
@@ -169,7 +174,8 @@ fn drag_undo_save_reopen(kind: Kind) {
     let delta = expected_delta(harness.state(), &target, from, to);
     press_and_move(&mut harness, from, to);
 
-    let now = harness.state().document().expect("open").target(kind, Level(2), target.vertex).expect("still there");
+    let now =
+        harness.state().document().expect("open").target(kind, Level(2), target.vertex).expect("still there");
     let stray = (on_screen(harness.state(), now.position) - points(to.to_vec2())).length();
     assert!(stray < 1.0, "the vertex is {stray} px from the pointer");
     harness.event(pointer(false, to));

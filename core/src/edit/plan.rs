@@ -52,7 +52,7 @@ pub enum EditError {
     #[error("a gain factor must be a finite number")]
     Factor,
     /// The result would leave the range of coordinates.
-    #[error("the edit would take the surface beyond eight times its size at import")]
+    #[error("the edit would take the surface beyond the range of its coordinates, ±2^27 steps")]
     BeyondLimit,
     /// A version of the operation that this program does not know.
     #[error("version {version} of this operation is not known here; a newer Bozzetto wrote it")]

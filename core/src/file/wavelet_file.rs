@@ -224,6 +224,10 @@ impl Reader<'_> {
             if chunk.critical {
                 return Ok(Some((at, chunk)));
             }
+            if [SOURCE, META].contains(&chunk.kind) {
+                let what = format!("a {} chunk stands before the end marker", letters(chunk.kind));
+                return Err(self.error(at, what, RESTORE));
+            }
             self.unknown.push(chunk);
         }
         Ok(None)
@@ -289,7 +293,7 @@ impl Reader<'_> {
             let (place, values) = raw.split_at_checked(8).ok_or_else(wrong)?;
             let first = u32::from_le_bytes(place[4..8].try_into().expect("four bytes")) as usize;
             let values = blocks::decode(values).ok_or_else(wrong)?;
-            let in_order = due.0 < wavelets.len() && usize::from(place[0]) == due.0 && first == due.1;
+            let in_order = due.0 < wavelets.len() && place[..4] == [due.0 as u8, 0, 0, 0] && first == due.1;
             if !in_order || values.is_empty() || values.len() > wavelets[due.0].len() - due.1 {
                 return Err(wrong());
             }

@@ -148,7 +148,8 @@ impl Session {
             notes.push(format!("the whole log is kept in {}", copy.display()));
             keep = 0;
         }
-        if keep == 0 {
+        // A log of blank lines has no binding yet either.
+        if keep == 0 || log.of.is_none() {
             keep = write_log(&*vfs, path, session.original, &session.log)?;
         }
         let journal = Journal::open(&*vfs, path, keep, lock)?;

@@ -29,7 +29,7 @@ impl std::str::FromStr for SurfaceHash {
     type Err = ();
 
     fn from_str(text: &str) -> Result<Self, ()> {
-        if text.len() != 32 || !text.is_ascii() {
+        if text.len() != 32 || !text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f')) {
             return Err(());
         }
         let mut bytes = [0; 16];

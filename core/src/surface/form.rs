@@ -46,12 +46,21 @@ impl Default for FormOptions {
     }
 }
 
+/// Bytes that the name of a unit may take.
+const LONGEST_UNIT: usize = 64;
+
 /// Why positions over a hierarchy make no surface.
 #[derive(Debug, Error, Clone, PartialEq)]
 pub enum NotASurface {
     /// The positions cannot be placed.
     #[error("{0}; check the model's coordinates")]
     NotPlaceable(#[from] NotPlaceable),
+    /// The unit's name is not a name.
+    #[error("the unit is {bytes} bytes long, more than 64; give a short name such as mm")]
+    Unit {
+        /// Its length.
+        bytes: usize,
+    },
     /// A neighbourhood is too large.
     #[error("{0}")]
     Valence(#[from] ValenceTooHigh),
@@ -61,7 +70,7 @@ impl Surface {
     /// A surface from model positions by slot of the finest level, each rounded to the nearest step. `O(n_J)`.
     ///
     /// # Errors
-    /// Positions that cannot be placed, or a base mesh whose valences the wavelet cannot serve.
+    /// Positions that cannot be placed, a unit that is no name, or a base mesh whose valences the wavelet cannot serve.
     ///
     /// # Panics
     /// If there are not exactly `n_J` positions.
@@ -70,6 +79,9 @@ impl Surface {
         positions: &[[f64; 3]],
         options: &FormOptions,
     ) -> Result<Self, NotASurface> {
+        if options.unit.len() > LONGEST_UNIT {
+            return Err(NotASurface::Unit { bytes: options.unit.len() });
+        }
         let mut placement = Placement::around(positions, options.precision)?;
         placement.up = options.up;
         placement.unit.clone_from(&options.unit);
