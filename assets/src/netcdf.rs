@@ -189,10 +189,13 @@ mod tests {
         let mut bytes = b"CDF\x01".to_vec();
         let mut word = |value: u32| bytes.extend(value.to_be_bytes());
         word(0);
-        [TAG_DIMENSION, 1, 1, u32::from_be_bytes(*b"x\0\0\0"), 3].map(&mut word);
+        [TAG_DIMENSION, 1, 1, u32::from_be_bytes(*b"x\0\0\0"), 3].into_iter().for_each(&mut word);
         [TAG_ATTRIBUTE, 1, 1, u32::from_be_bytes(*b"a\0\0\0"), 2, 2, u32::from_be_bytes(*b"hi\0\0")]
-            .map(&mut word);
-        [TAG_VARIABLE, 1, 1, u32::from_be_bytes(*b"v\0\0\0"), 1, 0, 0, 0, 3, 8, 100].map(&mut word);
+            .into_iter()
+            .for_each(&mut word);
+        [TAG_VARIABLE, 1, 1, u32::from_be_bytes(*b"v\0\0\0"), 1, 0, 0, 0, 3, 8, 100]
+            .into_iter()
+            .for_each(&mut word);
         bytes.resize(100, 0);
         for value in [-7i16, 0, 8848] {
             bytes.extend(value.to_be_bytes());

@@ -153,7 +153,11 @@ fn draw(
         edges: &drawn.edges,
         lines: &drawn.lines,
         handles: &drawn.handles,
-        ghost: GhostMesh { positions: &drawn.ghost.0, triangles: &drawn.ghost.1, edges: &drawn.ghost.2 },
+        ghost: GhostMesh {
+            positions: &drawn.control.positions,
+            triangles: &drawn.control.triangles,
+            edges: &drawn.control.edges,
+        },
         style,
     };
     let Size(size) = args.size;
@@ -164,6 +168,14 @@ fn draw(
     Ok(render_png(gpu, &scene, &camera, size, Samples::Four)?)
 }
 
+/// The control polyhedron of a level.
+#[derive(Default)]
+struct Control {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    edges: Vec<[u32; 2]>,
+}
+
 /// Everything drawn over the surface, gathered.
 #[derive(Default)]
 struct Overlays {
@@ -171,7 +183,7 @@ struct Overlays {
     edges: Vec<[u32; 2]>,
     lines: Vec<Line>,
     handles: Vec<Handle>,
-    ghost: (Vec<[f32; 3]>, Vec<[u32; 3]>, Vec<[u32; 2]>),
+    control: Control,
 }
 
 impl Overlays {
@@ -204,11 +216,11 @@ impl Overlays {
             Overlay::Control(level) => {
                 let level = existing_level(surface, Some(level))?;
                 let control = ShownVertices::new(surface, level);
-                self.ghost = (
-                    control.positions().to_vec(),
-                    hierarchy.triangles(level),
-                    hierarchy.edges_shown_on(level, level),
-                );
+                self.control = Control {
+                    positions: control.positions().to_vec(),
+                    triangles: hierarchy.triangles(level),
+                    edges: hierarchy.edges(level),
+                };
             }
             Overlay::Influence(kind, level, vertex) => {
                 let level = existing_level(surface, Some(level))?;

@@ -111,3 +111,17 @@ pub fn header_bytes(hierarchy: &Hierarchy, form: &Form) -> Vec<u8> {
     bytes.extend(sharp.iter().flatten().flat_map(|v| v.to_le_bytes()));
     bytes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hashes_read_back_and_have_one_spelling() {
+        let hash = SurfaceHash([0xab; 16]);
+        assert_eq!(hash.to_string().parse(), Ok(hash));
+        for wrong in ["", "ab", &"AB".repeat(16), &"+b".repeat(16), &"ab".repeat(17)] {
+            assert_eq!(wrong.parse::<SurfaceHash>(), Err(()), "{wrong}");
+        }
+    }
+}

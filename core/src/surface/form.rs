@@ -90,3 +90,24 @@ impl Surface {
         Ok(Self::from_finest(hierarchy, Form { scheme, wavelet, precision, placement }, finest)?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hierarchy::{BaseMesh, Level};
+    use crate::mesh::shapes;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_unit_is_a_short_name() {
+        let mesh = shapes::tetrahedron();
+        let base = BaseMesh::new(4, mesh.faces, &[]).expect("a base mesh");
+        let hierarchy = Hierarchy::new(Arc::new(base), Level(0)).expect("small");
+        let with = |unit: String| {
+            let options = FormOptions { unit, ..FormOptions::default() };
+            Surface::from_positions(hierarchy.clone(), &mesh.positions, &options).err()
+        };
+        assert_eq!(with("mm".into()), None);
+        assert_eq!(with("x".repeat(70_000)), Some(NotASurface::Unit { bytes: 70_000 }));
+    }
+}

@@ -1,0 +1,41 @@
+//! A reader in another language, written from docs/FORMAT.md, decodes wavelet files to the same hash.
+
+use bozzetto_core::conversion::{ConversionOptions, convert};
+use bozzetto_core::file::{Metadata, Model, encode};
+use bozzetto_core::mesh::shapes;
+use bozzetto_core::surface::{FormOptions, Surface};
+use bozzetto_core::wavelet::Wavelet;
+use std::path::Path;
+use std::process::Command;
+
+#[test]
+fn the_python_reader_agrees() {
+    let reader = Path::new(env!("CARGO_MANIFEST_DIR")).join("format_reader.py");
+    if !Command::new("python3").arg("--version").output().is_ok_and(|o| o.status.success()) {
+        eprintln!("\n*** NOT TESTED: there is no python3 to run {} ***\n", reader.display());
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, base) in [("octahedron", shapes::octahedron()), ("open disc", shapes::disc(5))] {
+        let mut mesh = shapes::subdivide(&base, 2);
+        for (at, position) in mesh.positions.iter_mut().enumerate() {
+            position[at % 3] += 0.07 * ((at * 37 % 19) as f64 - 9.0);
+        }
+        for wavelet in Wavelet::ALL {
+            let converted = convert(&mesh, &ConversionOptions::default()).expect("subdivided");
+            let form = FormOptions { wavelet, ..FormOptions::default() };
+            let surface =
+                Surface::from_positions(converted.hierarchy, &converted.positions, &form).expect("small");
+            let hash = surface.hash().to_string();
+            let path = folder.path().join("surface.boz");
+            std::fs::write(&path, encode(&Model::new(surface, None, Metadata::default()))).expect("written");
+            let output = Command::new("python3").arg(&reader).arg(&path).output().expect("python3 runs");
+            let said = String::from_utf8_lossy(&output.stdout).into_owned();
+            let errors = String::from_utf8_lossy(&output.stderr);
+            assert!(
+                output.status.success() && said.contains(&hash),
+                "{name}, {wavelet}: {hash}\n{said}{errors}"
+            );
+        }
+    }
+}
