@@ -4,6 +4,7 @@ use anyhow::{Result, anyhow};
 use bozzetto_core::conversion::{ConversionOptions, Converted, convert};
 use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::file::{Metadata, Model, source_by_public_id};
+use bozzetto_core::hierarchy::Slot;
 use bozzetto_core::io::read_mesh;
 use bozzetto_core::mesh::TriangleMesh;
 use bozzetto_core::surface::{FormOptions, Surface};
@@ -26,12 +27,13 @@ pub struct ImportOptions {
 
 /// A mesh file as a model, with what was done to the mesh on the way.
 pub(crate) struct Imported {
-    /// The mesh as the file holds it.
-    pub(crate) mesh: TriangleMesh,
     /// The model.
     pub(crate) model: Model,
     /// One sentence each.
     pub(crate) cleaned: Vec<String>,
+    /// How far the vertices were moved to whole steps, over the bounding-box diagonal: root mean square and maximum.
+    /// With the mesh's own connectivity this bounds the distance of the surfaces, both ways.
+    pub(crate) displacement: [f64; 2],
 }
 
 /// Imports a mesh file.
@@ -39,27 +41,37 @@ pub(crate) struct Imported {
 /// # Errors
 /// The file cannot be read or is not a surface.
 pub(crate) fn import_file(path: &Path, options: &ImportOptions) -> Result<Imported> {
-    let mesh = read_mesh(path)?;
-    let (model, cleaned) = import(path, &mesh, options)?;
-    Ok(Imported { mesh, model, cleaned })
+    import(path, &read_mesh(path)?, options)
 }
 
 /// Imports a mesh that was read from a file.
 ///
 /// # Errors
 /// It is not a surface.
-pub(crate) fn import(
-    path: &Path,
-    mesh: &TriangleMesh,
-    options: &ImportOptions,
-) -> Result<(Model, Vec<String>)> {
+pub(crate) fn import(path: &Path, mesh: &TriangleMesh, options: &ImportOptions) -> Result<Imported> {
     let named = |sentence: String| anyhow!("{}: {sentence}", path.display());
     let Converted { hierarchy, positions, source, cleaned } =
         convert(mesh, &options.conversion).map_err(|e| named(e.to_string()))?;
     let surface =
         Surface::from_positions(hierarchy, &positions, &options.form).map_err(|e| named(e.to_string()))?;
     let source = source.map(|by_slot| source_by_public_id(surface.hierarchy(), &by_slot));
-    Ok((Model::new(surface, source, metadata_of(path)), cleaned))
+    let displacement = displacement(&surface, &positions, mesh.diagonal());
+    Ok(Imported { model: Model::new(surface, source, metadata_of(path)), cleaned, displacement })
+}
+
+/// Root mean square and maximum of the distances between positions and the surface's own, over `diagonal`.
+fn displacement(surface: &Surface, positions: &[[f64; 3]], diagonal: f64) -> [f64; 2] {
+    let finest = surface.finest();
+    let squared = |(slot, wanted): (usize, &[f64; 3])| -> f64 {
+        let placed = surface.position(finest, Slot(slot as u32));
+        (0..3).map(|c| (placed[c] - wanted[c]) * (placed[c] - wanted[c])).sum()
+    };
+    let (sum, most) = positions
+        .iter()
+        .enumerate()
+        .map(squared)
+        .fold((0.0, 0.0), |(sum, most): (f64, f64), d| (sum + d, most.max(d)));
+    [(sum / positions.len() as f64).sqrt() / diagonal, most.sqrt() / diagonal]
 }
 
 /// Name and hash of the file a surface is made from.

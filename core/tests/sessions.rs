@@ -4,8 +4,9 @@
 mod memory_disk;
 mod samples;
 
-use bozzetto_core::edit::{Edit, Gain, Move};
+use bozzetto_core::edit::{Edit, Gain, Kind, Move};
 use bozzetto_core::file::{Model, decode, encode, read_log};
+use bozzetto_core::hierarchy::Level;
 use bozzetto_core::mesh::{TriangleMesh, shapes};
 use bozzetto_core::session::{OpenOptions, Session, SessionError, open_model};
 use bozzetto_core::surface::{LIMIT, Placement, SurfaceHash};
@@ -78,7 +79,7 @@ fn long_session(session: &mut Session, seed: u64) -> Vec<SurfaceHash> {
                 session.begin_stroke(stroke).expect("a modest stroke");
                 wander(session, &mut numbers, Some(stroke.delta));
                 match numbers.below(2) {
-                    0 => session.end_stroke(),
+                    0 => drop(session.end_stroke()),
                     _ => session.save().expect("a sound disk"),
                 }
                 new_step = true;
@@ -167,6 +168,41 @@ fn a_stroke_is_the_edit_with_its_last_delta() {
             }
             dragged.go_to(0);
             assert!(contents(dragged.surface()) == start, "{name}: strokes undone");
+        }
+    }
+}
+
+/// A stroke may show a coarse level only while the hand moves: what it reports is what changed there, finer levels wait,
+/// and its end is that of any stroke.
+#[test]
+fn a_previewed_stroke_ends_whole_and_cancels_clean() {
+    let mut numbers = Numbers(12);
+    for (name, mesh) in shapes::awkward() {
+        let (_, mut dragged) = session(&mesh, Wavelet::Disc(2), 0, 3);
+        let (_, mut edited) = session(&mesh, Wavelet::Disc(2), 0, 3);
+        for turn in 0..6u8 {
+            let start = contents(dragged.surface());
+            let stroke = draw_move(&mut numbers, dragged.surface());
+            dragged.begin_stroke(stroke).expect("a modest stroke");
+            wander(&mut dragged, &mut numbers, None);
+            let reach = Level(turn % 3);
+            dragged.preview_stroke(reach);
+            wander(&mut dragged, &mut numbers, Some(stroke.delta));
+            let finest = dragged.surface().scaling(Level(3));
+            let home = stroke.level + u8::from(stroke.kind == Kind::Wavelet);
+            if home < 3 && reach < Level(3) {
+                assert!(*finest == start[3], "{name}: the finest level waits, {stroke:?}");
+            }
+            if turn % 2 == 0 {
+                dragged.cancel_stroke();
+                assert!(contents(dragged.surface()) == start, "{name}: cancelled, {stroke:?}");
+                assert_consistent(dragged.surface());
+                continue;
+            }
+            dragged.end_stroke();
+            edited.edit(Edit::Move(stroke)).expect("a modest edit");
+            assert!(contents(dragged.surface()) == contents(edited.surface()), "{name}, {stroke:?}");
+            assert_eq!(dragged.hash(), edited.hash(), "{name}, {stroke:?}");
         }
     }
 }

@@ -5,10 +5,9 @@ use super::info::Info;
 use super::output;
 use super::progress::Progress;
 use crate::opening::{ImportOptions, Imported, import_file};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use bozzetto_core::conversion::{ConversionOptions, Remesh};
 use bozzetto_core::file::encode;
-use bozzetto_core::mesh::{CompareOptions, compare};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -94,8 +93,8 @@ impl Report {
 pub(super) fn run(args: &Args) -> Result<()> {
     output::check_lone_wavelet_file(&args.output)?;
     let progress = Progress::new("Importing");
-    let Imported { mesh, model, cleaned } = import_file(&args.mesh, &args.options()?)?;
-    progress.report(0.3);
+    let Imported { model, cleaned, displacement: [rms, max] } = import_file(&args.mesh, &args.options()?)?;
+    progress.report(0.6);
     let base_faces = model.surface.hierarchy().base().faces().len();
     if let Some(limit) = args.base_faces.filter(|&limit| base_faces > limit) {
         bail!(
@@ -103,19 +102,15 @@ pub(super) fn run(args: &Args) -> Result<()> {
             args.mesh.display()
         );
     }
-    let result = model.surface.to_mesh(model.surface.finest());
-    let measured =
-        compare(&mesh, &result, &CompareOptions::default(), &|share| progress.report(0.3 + 0.6 * share))
-            .with_context(|| args.mesh.display().to_string())?;
     let bytes = encode(&model);
     output::replace(&args.output, &bytes)?;
     let report = Report {
         info: Info::of(&model, bytes.len() as u64),
         seconds: progress.seconds(),
         cleaned,
-        rms: measured.rms,
-        max: measured.max,
-        tolerance_met: args.tolerance.map(|tolerance| measured.max <= tolerance),
+        rms,
+        max,
+        tolerance_met: args.tolerance.map(|tolerance| max <= tolerance),
     };
     drop(progress);
     if args.json { output::print_json(&report) } else { output::print(&report.text(&args.output)) }

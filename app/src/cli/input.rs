@@ -107,7 +107,7 @@ pub(super) fn load_surface(path: &Path, options: OpenOptions) -> Result<Model> {
         Loaded::Mesh(mesh) => {
             let conversion = ConversionOptions { levels: None, remesh: Remesh::Never };
             let never = ImportOptions { conversion, form: FormOptions::default() };
-            Ok(import(path, &mesh, &never)?.0)
+            Ok(import(path, &mesh, &never)?.model)
         }
     }
 }

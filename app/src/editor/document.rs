@@ -17,6 +17,8 @@ pub struct Document {
     vertices: ShownVertices,
     tree: PickTree,
     sphere: BoundingSphere,
+    /// A coarser level shown in place of the chosen one while a long stroke lasts.
+    preview: Option<ShownVertices>,
 }
 
 /// A coefficient under the cursor.
@@ -44,7 +46,7 @@ impl Document {
         let vertices = ShownVertices::new(session.surface(), shown);
         let tree = PickTree::new(session.surface().hierarchy(), &vertices);
         let sphere = BoundingSphere::of(vertices.positions());
-        Self { session, vertices, tree, sphere }
+        Self { session, vertices, tree, sphere, preview: None }
     }
 
     /// The surface.
@@ -52,9 +54,29 @@ impl Document {
         self.session.surface()
     }
 
-    /// The shown vertices.
+    /// The shown vertices: those of the chosen level, or of a coarser one while a long stroke lasts.
     pub fn vertices(&self) -> &ShownVertices {
-        &self.vertices
+        self.preview.as_ref().unwrap_or(&self.vertices)
+    }
+
+    /// The level shown in place of the chosen one while a long stroke lasts.
+    pub fn preview(&self) -> Option<Level> {
+        self.preview.as_ref().map(ShownVertices::level)
+    }
+
+    /// Lets the stroke go on at a coarser level.
+    pub fn begin_preview(&mut self, level: Level) {
+        let changes = self.session.preview_stroke(level);
+        if self.preview.is_none() {
+            // The chosen level goes back to the stroke's beginning and stays there until its end.
+            self.follow(&changes);
+        }
+        self.preview = Some(ShownVertices::new(self.session.surface(), level));
+    }
+
+    /// Shows the chosen level again; whether another was shown.
+    pub fn end_preview(&mut self) -> bool {
+        self.preview.take().is_some()
     }
 
     /// A ball around the model as it was when it was opened or last fitted.
@@ -75,8 +97,11 @@ impl Document {
 
     /// Follows an edit; the runs of slots to upload. Cost: what it moved.
     pub fn follow(&mut self, changes: &Changes) -> Vec<Range<u32>> {
-        let Some(moved) = changes.moved.get(self.vertices.level().index()) else { return Vec::new() };
+        let Some(moved) = changes.moved.get(self.vertices().level().index()) else { return Vec::new() };
         let surface = self.session.surface();
+        if let Some(preview) = &mut self.preview {
+            return preview.follow(surface, moved);
+        }
         let runs = self.vertices.follow(surface, moved);
         self.tree.follow(surface, &self.vertices, moved);
         runs
@@ -103,7 +128,7 @@ impl Document {
     /// A coefficient by its id, if it exists and the shown level has its vertex.
     pub fn target(&self, kind: Kind, level: Level, vertex: PublicId) -> Option<Target> {
         let hierarchy = self.surface().hierarchy();
-        let shown = self.vertices.level();
+        let shown = self.vertices().level();
         let layout = hierarchy.layout(level);
         let (home, range) = match kind {
             Kind::Scaling => (level, 0..layout.len()),
@@ -127,8 +152,8 @@ impl Document {
             level,
             vertex,
             slot,
-            position: at(self.vertices.positions()[slot.index()]),
-            normal: at(self.vertices.normals()[slot.index()]),
+            position: at(self.vertices().positions()[slot.index()]),
+            normal: at(self.vertices().normals()[slot.index()]),
             peak,
         })
     }

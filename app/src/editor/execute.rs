@@ -12,7 +12,7 @@ use crate::opening::{self, ImportOptions, Imported};
 use crate::render::BoundingSphere;
 use bozzetto_core::conversion::{ConversionOptions, Remesh};
 use bozzetto_core::disk::{Disk, Vfs};
-use bozzetto_core::edit::{Edit, Move};
+use bozzetto_core::edit::{Edit, EditError, Kind, Move};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::io::{MeshFormat, write_mesh};
 use bozzetto_core::session::{OpenOptions, Opened, Session};
@@ -20,6 +20,10 @@ use bozzetto_core::surface::Changes;
 use glam::DVec2;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A step of a drag that takes longer than this shows a coarser level.
+const LONGEST_STEP: Duration = Duration::from_millis(8);
 
 /// Surfaces with more vertices do whole-level work away from the window.
 const LONG_WORK: u32 = 100_000;
@@ -101,11 +105,8 @@ impl Editor {
             Command::SetShown(level) => {
                 self.settings.shown = Level(level);
                 // A coarser picture than the edited level makes the edited level give way, not the picture.
-                let edited = if self.settings.kind == bozzetto_core::edit::Kind::Wavelet {
-                    level.saturating_sub(1)
-                } else {
-                    level
-                };
+                let edited =
+                    if self.settings.kind == Kind::Wavelet { level.saturating_sub(1) } else { level };
                 self.settings.level = self.settings.level.min(Level(edited));
             }
             _ => {}
@@ -127,7 +128,7 @@ impl Editor {
 
     fn stroke(&mut self, command: Command) {
         let Some(document) = &mut self.document else { return };
-        let session = &mut document.session;
+        let begun = Instant::now();
         let result = match command {
             Command::BeginStroke { kind, level, vertex } => {
                 let reach = self.settings.radius * document.sphere().radius;
@@ -141,14 +142,48 @@ impl Editor {
                 document.session.drag_to(model)
             }
             Command::EndStroke => {
-                session.end_stroke();
-                Ok(Changes::default())
+                if document.end_preview() {
+                    self.scenery.replace_surface();
+                }
+                let changes = document.session.end_stroke();
+                let refused = changes.beyond_limit;
+                self.follow(&changes);
+                if refused {
+                    self.fail(EditError::BeyondLimit.to_string());
+                }
+                return;
             }
-            _ => Ok(session.cancel_stroke()),
+            _ => {
+                if document.end_preview() {
+                    self.scenery.replace_surface();
+                }
+                Ok(document.session.cancel_stroke())
+            }
         };
         match result {
             Ok(changes) => self.follow(&changes),
             Err(error) => self.fail(error.to_string()),
+        }
+        self.coarsen_if_slow(begun.elapsed());
+    }
+
+    /// A stroke whose step took too long goes on at a coarser level: each costs a quarter of the next.
+    fn coarsen_if_slow(&mut self, step: Duration) {
+        let Some(document) = &mut self.document else { return };
+        if step <= LONGEST_STEP || !document.session.in_stroke() {
+            return;
+        }
+        let home = match self.settings.kind {
+            Kind::Scaling => self.settings.level,
+            Kind::Wavelet => self.settings.level.finer(),
+        };
+        let shown = document.vertices().level();
+        let too_slow = step.as_secs_f64() / LONGEST_STEP.as_secs_f64();
+        let drop = (too_slow.log2() / 2.0).ceil().max(1.0) as u8;
+        let preview = Level(shown.0.saturating_sub(drop)).max(home);
+        if preview < shown {
+            document.begin_preview(preview);
+            self.scenery.replace_surface();
         }
     }
 

@@ -55,6 +55,8 @@ impl Scenery {
         held: Option<Target>,
         dense: bool,
     ) -> Result<(), GpuError> {
+        // While a stroke is previewed on a coarser level, the held vertex has another slot.
+        let held = held.and_then(|t| document.target(t.kind, t.level, t.vertex));
         self.update_surface(renderer, document)?;
         self.update_edges(renderer, document, settings)?;
         self.update_tints(renderer, document, settings)?;

@@ -162,8 +162,11 @@ impl Picture<'_> {
         };
         let length = drag.moved.length();
         let share = length / (2.0 * document.sphere().radius) * 100.0;
-        let text = format!("{length:.4}  ({share:.1} % of the size)");
-        let place = (at + egui::vec2(16.0, 14.0)).clamp(rect.min, rect.max - egui::vec2(180.0, 24.0));
+        let mut text = format!("{length:.4}  ({share:.1} % of the size)");
+        if let Some(level) = document.preview() {
+            text += &format!("  ·  level {level} shown until you let go");
+        }
+        let place = (at + egui::vec2(16.0, 14.0)).clamp(rect.min, rect.max - egui::vec2(400.0, 24.0));
         let galley =
             ui.painter().layout_no_wrap(text, egui::FontId::proportional(13.0), egui::Color32::WHITE);
         let back = Rect::from_min_size(place, galley.size()).expand(5.0);

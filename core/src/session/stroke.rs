@@ -1,7 +1,8 @@
 //! A drag under way: the surface follows the hand live, one line is logged at the end, and Esc restores every bit.
 
 use super::{Session, SessionError};
-use crate::edit::{Edit, EditError, Move, Plan, Region, Step};
+use crate::edit::{Edit, EditError, Kind, Move, Plan, Region, Step};
+use crate::hierarchy::Level;
 use crate::surface::{Changes, Surface, Vector};
 
 /// A stroke between its beginning and its end. Its edit is additive, so following the hand means adding the
@@ -12,6 +13,8 @@ pub(super) struct Stroke {
     region: Region,
     applied: Plan,
     delta: Vector,
+    /// The finest level that follows the hand; finer ones wait for the end.
+    reach: Level,
 }
 
 impl Stroke {
@@ -20,27 +23,40 @@ impl Stroke {
             return Err(EditError::UnknownVersion { version: edit.v });
         }
         let region = Region::of(surface, &edit)?;
-        Ok(Self { edit, applied: region.moved_by([0; 3]), region, delta: [0; 3] })
+        Ok(Self { edit, applied: region.moved_by([0; 3]), region, delta: [0; 3], reach: surface.finest() })
     }
 
     /// Moves the surface from where the stroke has it to `delta`; unchanged if that is refused.
     fn follow(&mut self, surface: &mut Surface, delta: Vector) -> Result<Changes, EditError> {
         let wanted = self.region.moved_by(delta);
-        let mut changes = add(surface, &difference(&wanted, &self.applied));
+        let mut changes = add(surface, &difference(&wanted, &self.applied), self.reach);
         if changes.beyond_limit {
-            changes.join(add(surface, &difference(&self.applied, &wanted)));
+            changes.join(add(surface, &difference(&self.applied, &wanted), self.reach));
             return Err(EditError::BeyondLimit);
         }
         self.applied = wanted;
         self.delta = delta;
         Ok(changes)
     }
+
+    /// Takes the stroke back and makes it again up to another level.
+    fn set_reach(&mut self, surface: &mut Surface, reach: Level) -> Changes {
+        let delta = self.delta;
+        let mut changes = self.follow(surface, [0; 3]).unwrap_or_default();
+        self.reach = reach;
+        match self.follow(surface, delta) {
+            Ok(made) => changes.join(made),
+            // A finer level may leave the range of coordinates where the coarser did not.
+            Err(_) => changes.beyond_limit = true,
+        }
+        changes
+    }
 }
 
-fn add(surface: &mut Surface, plan: &Plan) -> Changes {
+fn add(surface: &mut Surface, plan: &Plan, reach: Level) -> Changes {
     match plan {
-        Plan::Scaling(level, deltas) => surface.add_scaling(*level, deltas),
-        Plan::Wavelets(level, deltas) => surface.add_wavelets(*level, deltas),
+        Plan::Scaling(level, deltas) => surface.add_scaling_up_to(*level, deltas, reach),
+        Plan::Wavelets(level, deltas) => surface.add_wavelets_up_to(*level, deltas, reach),
         Plan::Details(..) => unreachable!("a stroke is additive"),
     }
 }
@@ -92,16 +108,37 @@ impl Session {
         self.stroke.as_ref().map(|stroke| placement.vector_to_model(stroke.delta))
     }
 
-    /// Ends the stroke: one line, one undo step. A stroke that moved nothing leaves neither.
-    pub fn end_stroke(&mut self) {
-        let Some(stroke) = self.stroke.take() else { return };
+    /// Lets only the levels up to `reach` follow the hand until the stroke ends, for surfaces too large to follow whole.
+    /// Coarser than the edited coefficients is as coarse as they are. What the other levels show is then old.
+    pub fn preview_stroke(&mut self, reach: Level) -> Changes {
+        let surface = &mut self.model.surface;
+        let Some(stroke) = &mut self.stroke else { return Changes::default() };
+        let home = match stroke.edit.kind {
+            Kind::Scaling => Level(stroke.edit.level),
+            Kind::Wavelet => Level(stroke.edit.level).finer(),
+        };
+        stroke.set_reach(surface, reach.clamp(home, surface.finest()))
+    }
+
+    /// Ends the stroke: one line, one undo step, all levels up to date. A stroke that moved nothing leaves neither. If
+    /// a level that had not followed would leave the range of coordinates, the stroke is taken back instead and the
+    /// changes say `beyond_limit`.
+    pub fn end_stroke(&mut self) -> Changes {
+        let Some(mut stroke) = self.stroke.take() else { return Changes::default() };
+        let finest = self.model.surface.finest();
+        let changes = if stroke.reach == finest {
+            Changes::default()
+        } else {
+            stroke.set_reach(&mut self.model.surface, finest)
+        };
         if stroke.delta == [0; 3] {
-            return;
+            return changes;
         }
         let delta = self.model.surface.form().placement.shortest_decimals(stroke.delta);
         let edit = Edit::Move(Move { delta, ..stroke.edit });
         self.record.edit(&mut self.model.surface, Step::applied(edit, stroke.applied));
         self.committed_edit(edit);
+        changes
     }
 
     /// Takes the stroke back, bit for bit.

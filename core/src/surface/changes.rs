@@ -36,6 +36,10 @@ impl Changes {
     /// Joins what a later edit changed to this.
     pub fn join(&mut self, later: Changes) {
         self.beyond_limit |= later.beyond_limit;
+        if self.moved.is_empty() {
+            self.moved = later.moved;
+            return;
+        }
         for (mine, theirs) in self.moved.iter_mut().zip(later.moved) {
             *mine = match (std::mem::take(mine), theirs) {
                 (Moved::Nothing, other) | (other, Moved::Nothing) => other,

@@ -15,6 +15,17 @@ impl Surface {
     /// Adds to scaling coefficients of level j: `c^j`, everything finer in their support, and every coarser
     /// coefficient that depends on them. Slots must differ. Cost: the support.
     pub fn add_scaling(&mut self, level: Level, deltas: &[(Slot, Vector)]) -> Changes {
+        self.add_scaling_up_to(level, deltas, self.finest())
+    }
+
+    /// [`Surface::add_scaling`] without the levels finer than `reach`, which stay as they were: for showing a coarse
+    /// level while a hand moves. The surface is whole again once the same is subtracted with the same reach.
+    pub(crate) fn add_scaling_up_to(
+        &mut self,
+        level: Level,
+        deltas: &[(Slot, Vector)],
+        reach: Level,
+    ) -> Changes {
         let mut changes = Changes::none(self.scaling.len());
         let steps: Vec<Step> = deltas.iter().copied().filter(|&(_, delta)| delta != [0; 3]).collect();
         for &(slot, delta) in &steps {
@@ -33,13 +44,23 @@ impl Surface {
             record(&mut changes, Level(j), &down);
         }
         record(&mut changes, level, &steps);
-        self.climb_to_finest(level, steps, &[], &mut changes);
+        self.climb_to(reach, level, steps, &[], &mut changes);
         changes
     }
 
     /// Adds to wavelet coefficients of level j: `d^j` and everything finer in their support. Coarser levels, and
     /// `c^j` itself, stay. Odd vertices must differ. Cost: the support.
     pub fn add_wavelets(&mut self, level: Level, deltas: &[(Odd, Vector)]) -> Changes {
+        self.add_wavelets_up_to(level, deltas, self.finest())
+    }
+
+    /// [`Surface::add_wavelets`] without the levels finer than `reach`, as [`Surface::add_scaling_up_to`].
+    pub(crate) fn add_wavelets_up_to(
+        &mut self,
+        level: Level,
+        deltas: &[(Odd, Vector)],
+        reach: Level,
+    ) -> Changes {
         let mut changes = Changes::none(self.scaling.len());
         let mut changed = Vec::with_capacity(deltas.len());
         for &(odd, delta) in deltas.iter().filter(|&&(_, delta)| delta != [0; 3]) {
@@ -47,7 +68,7 @@ impl Surface {
             self.store_wavelet(level, odd, new, &mut changes);
             changed.push(odd);
         }
-        self.climb_to_finest(level, Vec::new(), &changed, &mut changes);
+        self.climb_to(reach, level, Vec::new(), &changed, &mut changes);
         changes
     }
 
@@ -128,10 +149,17 @@ impl Surface {
         steps
     }
 
-    /// Local synthesis of all finer levels from the changes of `c^j` and the changed details of level j.
-    fn climb_to_finest(&mut self, level: Level, steps: Vec<Step>, details: &[Odd], changes: &mut Changes) {
+    /// Local synthesis of the levels up to `reach` from the changes of `c^j` and the changed details of level j.
+    fn climb_to(
+        &mut self,
+        reach: Level,
+        level: Level,
+        steps: Vec<Step>,
+        details: &[Odd],
+        changes: &mut Changes,
+    ) {
         let mut steps = steps;
-        for j in level.0..self.finest().0 {
+        for j in level.0..reach.0 {
             let changed = if j == level.0 { details } else { &[] };
             steps = self.climb(Level(j), &steps, changed, changes);
             record(changes, Level(j + 1), &steps);
