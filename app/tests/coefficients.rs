@@ -12,7 +12,7 @@ use random::Random;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// How far a coefficient may be from the explicit inverse, for vertices in a cube of side about 1.
+/// How far a coefficient may be from the explicit inverse, for vertices anywhere in a cube of side 2.
 const AGREEMENT: f64 = 1e-5;
 /// Levels above the base mesh.
 const LEVELS: usize = 3;
@@ -51,8 +51,7 @@ impl Shuffled {
     fn new(base: &TriangleMesh, random: &mut Random) -> Self {
         let meshes = Meshes::subdivide(&base.faces, LEVELS);
         let count = meshes.counts[LEVELS];
-        let positions: Vec<[f64; 3]> =
-            meshes.spread(&base.positions).iter().map(|&p| about(p, random)).collect();
+        let positions: Vec<[f64; 3]> = (0..count).map(|_| random.point()).collect();
         let mut vertex_of_line: Vec<usize> = (0..count).collect();
         random.shuffle(&mut vertex_of_line);
         let mut line_of_vertex = vec![0; count];
@@ -72,12 +71,6 @@ impl Shuffled {
         }
         Self { meshes, positions, vertex_of_line, obj }
     }
-}
-
-/// Anywhere within a quarter of a point, in a model half as large.
-fn about(point: [f64; 3], random: &mut Random) -> [f64; 3] {
-    let by = random.point();
-    std::array::from_fn(|c| 0.5 * point[c] + 0.25 * by[c])
 }
 
 /// A row of the table, its ids replaced by vertices of the test's own numbering.

@@ -56,16 +56,6 @@ impl Meshes {
         self.counts.push(self.parents.len());
     }
 
-    /// Base positions spread over the finest level: every odd vertex halfway between its parents.
-    pub fn spread(&self, base: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let mut positions = base.to_vec();
-        for &[a, b] in &self.parents[base.len()..] {
-            let (a, b) = (positions[a], positions[b]);
-            positions.push(std::array::from_fn(|c| (a[c] + b[c]) / 2.0));
-        }
-        positions
-    }
-
     /// `N_k` of an odd vertex: the ends of its edge, then `k` times all vertices of all triangles at them.
     fn disc(&self, level: usize, odd: usize, k: usize) -> Vec<usize> {
         let mut disc = BTreeSet::from(self.parents[odd]);
