@@ -178,9 +178,18 @@ fn drag_undo_save_reopen(kind: Kind) {
         harness.state().document().expect("open").target(kind, Level(2), target.vertex).expect("still there");
     let stray = (on_screen(harness.state(), now.position) - points(to.to_vec2())).length();
     assert!(stray < 1.0, "the vertex is {stray} px from the pointer");
-    harness.event(pointer(false, to));
+    // A hand that goes on within the frame of the release no longer drags.
+    harness
+        .input_mut()
+        .events
+        .extend([pointer(false, to), Event::PointerMoved(to + egui::vec2(150.0, 60.0))]);
+    harness.run_steps(1);
     harness.run();
 
+    let now =
+        harness.state().document().expect("open").target(kind, Level(2), target.vertex).expect("still there");
+    let stray = (on_screen(harness.state(), now.position) - points(to.to_vec2())).length();
+    assert!(stray < 1.0, "after the release the vertex is {stray} px from where the pointer let go");
     let dragged = hash(&harness);
     assert_ne!(dragged, original);
     let edit = Move { kind, level: 2, vertex: target.vertex.0, delta, radius: None, falloff: None, v: 1 };

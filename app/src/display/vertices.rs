@@ -14,6 +14,8 @@ pub struct ShownVertices {
     frame: Frame,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
+    /// Added to the level's positions; empty: nothing.
+    offsets: Vec<[f32; 3]>,
 }
 
 /// Runs of changed slots closer than this are uploaded as one.
@@ -28,7 +30,35 @@ impl ShownVertices {
         let layout = surface.hierarchy().layout(level);
         let normals =
             (0..layout.len()).into_par_iter().map(|s| normal(layout, Slot(s), &positions)).collect();
-        Self { level, frame, positions, normals }
+        Self { level, frame, positions, normals, offsets: Vec::new() }
+    }
+
+    /// The vertices of a coarser level where a finer surface has them now, and from now on moved as the coarse level
+    /// moves: samples of the fine surface while only the coarse one follows an edit. Finer detail rides along with
+    /// scaling and wavelet coefficients, so the samples are exact. Linear in the coarse level's vertices.
+    pub fn sampled(surface: &Surface, level: Level, finer: &ShownVertices) -> Self {
+        let mut shown = Self::new(surface, level);
+        let hierarchy = surface.hierarchy();
+        let layout = hierarchy.layout(level);
+        shown.offsets = (0..layout.len())
+            .into_par_iter()
+            .map(|slot| {
+                let fine = finer.positions[hierarchy.refine_slot(level, finer.level, Slot(slot)).index()];
+                difference(fine, shown.positions[slot as usize])
+            })
+            .collect();
+        let all = (0..layout.len()).map(Slot).collect();
+        shown.follow(surface, &Moved::Some(all));
+        shown
+    }
+
+    /// Where a slot is drawn now.
+    fn placed(&self, surface: &Surface, slot: Slot) -> [f32; 3] {
+        let at = self.frame.place_f32(surface.scaling(self.level)[slot.index()]);
+        match self.offsets.get(slot.index()) {
+            Some(offset) => std::array::from_fn(|c| at[c] + offset[c]),
+            None => at,
+        }
     }
 
     /// The level.
@@ -61,9 +91,8 @@ impl ShownVertices {
             }
             Moved::Some(slots) => {
                 let layout = surface.hierarchy().layout(self.level);
-                let positions = surface.scaling(self.level);
-                for slot in slots {
-                    self.positions[slot.index()] = self.frame.place_f32(positions[slot.index()]);
+                for &slot in slots {
+                    self.positions[slot.index()] = self.placed(surface, slot);
                 }
                 let mut turned: Vec<u32> =
                     slots.par_iter().flat_map_iter(|&slot| around(layout, slot)).collect();
@@ -78,6 +107,10 @@ impl ShownVertices {
             }
         }
     }
+}
+
+fn difference(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|c| a[c] - b[c])
 }
 
 /// A vertex and its neighbours.

@@ -64,14 +64,19 @@ impl Document {
         self.preview.as_ref().map(ShownVertices::level)
     }
 
-    /// Lets the stroke go on at a coarser level.
+    /// Lets the stroke go on with a coarser level's vertices, samples of the surface, so that what is held stays under
+    /// the cursor. The chosen level stands still at the stroke's beginning until its end.
     pub fn begin_preview(&mut self, level: Level) {
-        let changes = self.session.preview_stroke(level);
-        if self.preview.is_none() {
-            // The chosen level goes back to the stroke's beginning and stays there until its end.
+        let delta = self.session.stroke_delta().unwrap_or_default();
+        if let (Ok(changes), None) = (self.session.drag_to([0.0; 3]), &self.preview) {
             self.follow(&changes);
         }
-        self.preview = Some(ShownVertices::new(self.session.surface(), level));
+        self.preview = Some(ShownVertices::sampled(self.session.surface(), level, &self.vertices));
+        self.session.preview_stroke(level);
+        // A delta that was accepted before is accepted again.
+        if let Ok(changes) = self.session.drag_to(delta) {
+            self.follow(&changes);
+        }
     }
 
     /// Shows the chosen level again; whether another was shown.
@@ -163,5 +168,68 @@ impl Document {
         let from_path =
             self.session.path().and_then(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned());
         from_path.or_else(|| self.session.metadata().source.clone()).unwrap_or_else(|| "Untitled".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bozzetto_core::conversion::{ConversionOptions, convert};
+    use bozzetto_core::disk::Disk;
+    use bozzetto_core::edit::Move;
+    use bozzetto_core::file::{Metadata, Model};
+    use bozzetto_core::mesh::shapes;
+    use bozzetto_core::surface::FormOptions;
+    use std::sync::Arc;
+
+    fn bumpy() -> Document {
+        let mut mesh = shapes::subdivide(&shapes::octahedron(), 4);
+        for (at, position) in mesh.positions.iter_mut().enumerate() {
+            position[at % 3] += 0.02 * ((at * 37 % 19) as f64 - 9.0);
+        }
+        let converted = convert(&mesh, &ConversionOptions::default()).expect("subdivided");
+        let surface =
+            Surface::from_positions(converted.hierarchy, &converted.positions, &FormOptions::default());
+        let model = Model::new(surface.expect("small"), None, Metadata::default());
+        Document::new(Session::new(Arc::new(Disk), model), Level(4))
+    }
+
+    /// While a stroke is previewed, the coarse vertices lie where the whole surface will have them.
+    #[test]
+    fn a_preview_shows_samples_of_the_result() {
+        for kind in [Kind::Scaling, Kind::Wavelet] {
+            let mut document = bumpy();
+            let vertex = if kind == Kind::Scaling { 5 } else { 25 };
+            let edit = Move { kind, level: 1, vertex, delta: [0.0; 3], radius: None, falloff: None, v: 1 };
+            document.session.begin_stroke(edit).expect("it exists");
+            for (delta, preview) in [
+                ([0.1, 0.0, 0.0], Some(Level(3))),
+                ([0.1, 0.2, 0.0], Some(Level(2))),
+                ([0.1, 0.2, -0.3], None),
+            ] {
+                let changes = document.session.drag_to(delta).expect("in range");
+                document.follow(&changes);
+                if let Some(level) = preview {
+                    document.begin_preview(level);
+                    assert_eq!(document.preview(), Some(level));
+                }
+            }
+            let previewed = document.vertices().positions().to_vec();
+            assert!(document.end_preview());
+            let changes = document.session.end_stroke();
+            document.follow(&changes);
+            let hierarchy = document.surface().hierarchy().clone();
+            for (slot, previewed) in previewed.iter().enumerate() {
+                let fine = hierarchy.refine_slot(Level(2), Level(4), Slot(slot as u32));
+                let now = document.vertices().positions()[fine.index()];
+                let apart = (0..3).map(|c| (now[c] - previewed[c]).abs()).fold(0.0, f32::max);
+                assert!(apart < 1e-5, "{kind}, slot {slot}: {now:?}, previewed {previewed:?}");
+            }
+            let fresh = ShownVertices::new(document.surface(), Level(4));
+            assert!(
+                document.vertices().positions() == fresh.positions(),
+                "{kind}: the shown level is up to date"
+            );
+        }
     }
 }

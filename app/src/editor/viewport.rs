@@ -5,7 +5,7 @@ use super::document::{Document, Target};
 use super::settings::Settings;
 use super::tools::{Axis, HandleEvent, HandleTool};
 use crate::render::{Camera, Style, Viewport};
-use egui::{Key, PointerButton, Rect, Ui};
+use egui::{Event, Key, PointerButton, Rect, Ui};
 use glam::DVec2;
 
 /// What the picture needs of the editor.
@@ -105,23 +105,40 @@ impl Picture<'_> {
         commands
     }
 
-    /// The tool's events.
+    /// The tool's events, in the order in which they happened: press, moves and release can share a frame, and what
+    /// comes after a release is none of the drag's business.
     fn hand(&mut self, ui: &Ui, rect: Rect, over: bool) -> Vec<Command> {
         let size = points(rect.size());
         let mut events = Vec::new();
         ui.input(|input| {
-            let pointer = &input.pointer;
-            let at = pointer.latest_pos();
+            let at = |pos: egui::Pos2| points(pos - rect.min);
+            let free = over && self.turning.is_none() && !input.modifiers.alt;
+            let along_normal = input.modifiers.ctrl;
             if self.tool.drag().is_none() {
-                let free = over && self.turning.is_none() && !input.modifiers.alt;
-                let target = if free { self.target(at, rect) } else { None };
-                events.push(HandleEvent::Hover(target));
-                if free && pointer.primary_pressed() {
-                    // Press and first move can share a frame: what is pressed is what lay under the press.
-                    let origin = pointer.press_origin().or(at);
-                    if let (Some(origin), Some(target)) = (origin, self.target(origin, rect)) {
-                        events.push(HandleEvent::Press(target, points(origin - rect.min)));
+                let hovered = if free { self.target(input.pointer.latest_pos(), rect) } else { None };
+                events.push(HandleEvent::Hover(hovered));
+            }
+            for event in &input.events {
+                match *event {
+                    Event::PointerMoved(pos) => {
+                        // Of moves in a row only the last counts.
+                        if let Some(HandleEvent::Move(..)) = events.last() {
+                            events.pop();
+                        }
+                        events.push(HandleEvent::Move(at(pos), along_normal));
                     }
+                    Event::PointerButton { pos, button: PointerButton::Primary, pressed: true, .. }
+                        if free =>
+                    {
+                        if let Some(target) = self.target(pos, rect) {
+                            events.push(HandleEvent::Press(target, at(pos)));
+                        }
+                    }
+                    Event::PointerButton { pos, button: PointerButton::Primary, pressed: false, .. } => {
+                        events.push(HandleEvent::Move(at(pos), along_normal));
+                        events.push(HandleEvent::Release);
+                    }
+                    _ => {}
                 }
             }
             for (key, axis) in [(Key::X, Axis::X), (Key::Y, Axis::Y), (Key::Z, Axis::Z)] {
@@ -129,14 +146,15 @@ impl Picture<'_> {
                     events.push(HandleEvent::Constrain(axis));
                 }
             }
-            if let Some(at) = at {
-                events.push(HandleEvent::Move(points(at - rect.min), input.modifiers.ctrl));
+            // Keys pressed or let go move the drag even while the hand rests.
+            if let (Some(pos), true) = (input.pointer.latest_pos(), input.pointer.primary_down()) {
+                events.push(HandleEvent::Move(at(pos), along_normal));
             }
             events.push(HandleEvent::Before(input.key_down(Key::B)));
             if input.key_pressed(Key::Escape) {
                 events.push(HandleEvent::Escape);
             }
-            if pointer.primary_released() || !pointer.primary_down() {
+            if !input.pointer.primary_down() {
                 events.push(HandleEvent::Release);
             }
         });
