@@ -52,7 +52,7 @@ impl Workplace {
         String::from_utf8(self.read(name)).expect("text")
     }
 
-    /// Every file in the folder with its bytes, locks left out: they are empty and stay.
+    /// Every file in the folder with its bytes, locks left out: some systems keep them, empty.
     pub fn contents(&self) -> BTreeMap<String, Vec<u8>> {
         let mut contents = BTreeMap::new();
         collect(self.folder.path(), "", &mut contents);

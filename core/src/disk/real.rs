@@ -3,7 +3,7 @@
 use super::{Appender, Lock, Vfs};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The machine's own disk.
 #[derive(Debug, Clone, Copy, Default)]
@@ -27,11 +27,37 @@ impl Appender for AppendedFile {
     }
 }
 
+/// A held lock. Its file goes when it does, where the system lets go of open files.
 struct LockedFile {
-    _held: File,
+    file: File,
+    path: PathBuf,
 }
 
 impl Lock for LockedFile {}
+
+impl Drop for LockedFile {
+    fn drop(&mut self) {
+        // Still locked here, so nobody else can hold the file that goes; see `is_at`.
+        if cfg!(unix) && is_at(&self.file, &self.path) {
+            // A lock file left behind is untidy, not wrong.
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// Whether an open file is the one that a path names: not if the last holder of the lock took it away between opening
+/// and locking.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let id = |data: &std::fs::Metadata| (data.dev(), data.ino());
+    matches!((file.metadata(), std::fs::metadata(path)), (Ok(open), Ok(named)) if id(&open) == id(&named))
+}
+
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
+}
 
 impl Vfs for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
@@ -66,11 +92,16 @@ impl Vfs for Disk {
     }
 
     fn lock(&self, path: &Path) -> io::Result<Option<Box<dyn Lock>>> {
-        let file = OpenOptions::new().create(true).truncate(false).write(true).open(path)?;
-        match file.try_lock() {
-            Ok(()) => Ok(Some(Box::new(LockedFile { _held: file }))),
-            Err(TryLockError::WouldBlock) => Ok(None),
-            Err(TryLockError::Error(e)) => Err(e),
+        loop {
+            let file = OpenOptions::new().create(true).truncate(false).write(true).open(path)?;
+            match file.try_lock() {
+                Ok(()) if is_at(&file, path) => {
+                    return Ok(Some(Box::new(LockedFile { file, path: path.to_owned() })));
+                }
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => return Ok(None),
+                Err(TryLockError::Error(e)) => return Err(e),
+            }
         }
     }
 
@@ -86,4 +117,21 @@ fn folder_of(path: &Path) -> &Path {
 /// Makes a renamed or new entry itself durable, where the system has a way to.
 fn sync_folder(folder: &Path) -> io::Result<()> {
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lock_keeps_others_out_and_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("name.edits.lock");
+        for _ in 0..2 {
+            let held = Disk.lock(&path).expect("writable").expect("free");
+            assert!(Disk.lock(&path).expect("writable").is_none(), "held");
+            drop(held);
+            assert!(!cfg!(unix) || !path.exists());
+        }
+    }
 }
