@@ -5,6 +5,7 @@ use super::output;
 use anyhow::{Context, Result};
 use bozzetto_core::file::Model;
 use bozzetto_core::surface::CHANNELS;
+use bozzetto_core::wavelet::Wavelet;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -35,6 +36,7 @@ pub(super) struct Info {
     boundary_loops: u32,
     channels: [&'static str; 3],
     scheme: String,
+    /// As `import --wavelet` takes it: lazy, 0, 1 or 2.
     wavelet: String,
     precision: u8,
     complete: bool,
@@ -60,7 +62,10 @@ impl Info {
             boundary_loops: base.boundary_loops(),
             channels: CHANNELS,
             scheme: surface.form().scheme.to_string(),
-            wavelet: surface.form().wavelet.to_string(),
+            wavelet: match surface.form().wavelet {
+                Wavelet::Lazy => "lazy".to_owned(),
+                Wavelet::Disc(k) => k.to_string(),
+            },
             precision: surface.form().precision,
             complete: model.complete,
             bytes,
@@ -76,6 +81,10 @@ impl Info {
             format!("genus {}", self.genus),
             plural(self.boundary_loops, "boundary loop", "boundary loops"),
         ];
+        let wavelet = match self.wavelet.as_str() {
+            "lazy" => "lazy".to_owned(),
+            k => format!("{k}-disc"),
+        };
         let mut lines = vec![
             ("surface", format!("{} vertices, {} faces", self.vertices, self.faces)),
             (
@@ -86,7 +95,7 @@ impl Info {
                 ),
             ),
             ("topology", topology.join(", ")),
-            ("wavelet", format!("{}, scheme {}, {} bits", self.wavelet, self.scheme, self.precision)),
+            ("wavelet", format!("{wavelet}, scheme {}, {} bits", self.scheme, self.precision)),
             ("hash", self.hash.clone()),
             ("file", format!("{} bytes{}", self.bytes, if self.complete { "" } else { ", incomplete" })),
         ];
