@@ -1,7 +1,8 @@
 //! Opening files, for command line and editor alike.
 
 use anyhow::{Result, anyhow};
-use bozzetto_core::conversion::{ConversionOptions, Converted, convert};
+use bozzetto_core::conversion::remesh::Phase;
+use bozzetto_core::conversion::{ConversionOptions, Converted, convert_with_progress};
 use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::file::{Metadata, Model, source_by_public_id};
 use bozzetto_core::hierarchy::Slot;
@@ -31,32 +32,59 @@ pub(crate) struct Imported {
     pub(crate) model: Model,
     /// One sentence each.
     pub(crate) cleaned: Vec<String>,
-    /// How far the vertices were moved to whole steps, over the bounding-box diagonal: root mean square and maximum.
-    /// With the mesh's own connectivity this bounds the distance of the surfaces, both ways.
-    pub(crate) displacement: [f64; 2],
+    /// Root mean square and maximum of the distance to the mesh, over the bounding-box diagonal: measured both ways
+    /// where the mesh was remeshed; with the mesh's own connectivity how far its vertices were moved to whole steps,
+    /// which bounds both ways.
+    pub(crate) distance: [f64; 2],
 }
 
-/// Imports a mesh file.
+/// Imports a mesh file. `progress` gets the share done and returns whether to go on.
 ///
 /// # Errors
 /// The file cannot be read or is not a surface.
-pub(crate) fn import_file(path: &Path, options: &ImportOptions) -> Result<Imported> {
-    import(path, &read_mesh(path)?, options)
+pub(crate) fn import_file(
+    path: &Path,
+    options: &ImportOptions,
+    progress: &dyn Fn(f32) -> bool,
+) -> Result<Imported> {
+    import(path, &read_mesh(path)?, options, progress)
 }
 
 /// Imports a mesh that was read from a file.
 ///
 /// # Errors
 /// It is not a surface.
-pub(crate) fn import(path: &Path, mesh: &TriangleMesh, options: &ImportOptions) -> Result<Imported> {
+pub(crate) fn import(
+    path: &Path,
+    mesh: &TriangleMesh,
+    options: &ImportOptions,
+    progress: &dyn Fn(f32) -> bool,
+) -> Result<Imported> {
     let named = |sentence: String| anyhow!("{}: {sentence}", path.display());
-    let Converted { hierarchy, positions, source, cleaned } =
-        convert(mesh, &options.conversion).map_err(|e| named(e.to_string()))?;
+    let by_phase = |phase, done: f32| progress(share_of(phase, done));
+    let Converted { hierarchy, positions, source, cleaned, measured } =
+        convert_with_progress(mesh, &options.conversion, &by_phase).map_err(|e| named(e.to_string()))?;
     let surface =
         Surface::from_positions(hierarchy, &positions, &options.form).map_err(|e| named(e.to_string()))?;
     let source = source.map(|by_slot| source_by_public_id(surface.hierarchy(), &by_slot));
-    let displacement = displacement(&surface, &positions, mesh.diagonal());
-    Ok(Imported { model: Model::new(surface, source, metadata_of(path)), cleaned, displacement })
+    let distance = match measured {
+        Some(measured) => [measured.rms, measured.max],
+        None => displacement(&surface, &positions, mesh.diagonal()),
+    };
+    Ok(Imported { model: Model::new(surface, source, metadata_of(path)), cleaned, distance })
+}
+
+/// The share of a whole import that is done; fitting takes most of the time.
+fn share_of(phase: Phase, done: f32) -> f32 {
+    let (from, to) = match phase {
+        Phase::Clean => (0.0, 0.03),
+        Phase::Simplify => (0.03, 0.12),
+        Phase::Resample => (0.12, 0.15),
+        Phase::Relax => (0.15, 0.22),
+        Phase::Fit => (0.22, 0.92),
+        Phase::Measure => (0.92, 1.0),
+    };
+    from + (to - from) * done.clamp(0.0, 1.0)
 }
 
 /// Root mean square and maximum of the distances between positions and the surface's own, over `diagonal`.

@@ -280,9 +280,15 @@ fn what_is_not_subdivided_is_not_found() {
     assert!(matches!(own, Err(ConversionError::NotABaseMesh(_))));
     for (name, mesh) in shapes::awkward() {
         assert!(find(&mesh, FINEST_LEVEL).is_none(), "{name} itself");
+        let remeshed = convert(&mesh, &Default::default()).expect(name);
+        assert!(remeshed.source.is_none() && remeshed.measured.is_some(), "{name} is remeshed");
+        let (base, before) =
+            (remeshed.hierarchy.base(), Connectivity::build(mesh.positions.len() as u32, mesh.faces.clone()));
+        let before = before.expect("a manifold");
         assert_eq!(
-            convert(&mesh, &Default::default()).err(),
-            Some(ConversionError::NoSubdivisionConnectivity)
+            (base.components(), base.genus(), base.boundary_loops()),
+            (before.components(), before.genus(), before.boundary_loops()),
+            "{name}: remeshing keeps the topology"
         );
         let own =
             convert(&mesh, &ConversionOptions { remesh: Remesh::Never, ..Default::default() }).expect(name);

@@ -21,10 +21,11 @@ pub(super) struct Args {
     /// The wavelet file to write.
     #[arg(short, long)]
     output: PathBuf,
-    /// At most so many levels.
+    /// At most so many levels, or so many when the mesh is converted.
     #[arg(long, value_name = "J", value_parser = clap::value_parser!(u8).range(0..=15))]
     levels: Option<u8>,
-    /// Whether to convert: auto looks for subdivision connectivity first, never takes the mesh as it is.
+    /// Whether to convert: auto looks for subdivision connectivity first; always repairs and converts any mesh; never
+    /// takes the mesh as it is.
     #[arg(long, default_value = "auto")]
     remesh: RemeshArg,
     #[command(flatten)]
@@ -32,7 +33,7 @@ pub(super) struct Args {
     /// Bound on the measured distance, over the bounding-box diagonal; the result says whether it is met.
     #[arg(long, value_name = "T")]
     tolerance: Option<f64>,
-    /// Upper limit of base faces.
+    /// Upper limit of base faces; chosen from the mesh if left out.
     #[arg(long, value_name = "N")]
     base_faces: Option<usize>,
     /// Print one JSON object.
@@ -55,7 +56,12 @@ impl Args {
             RemeshArg::Never => Remesh::Never,
         };
         Ok(ImportOptions {
-            conversion: ConversionOptions { levels: self.levels, remesh },
+            conversion: ConversionOptions {
+                levels: self.levels,
+                remesh,
+                base_faces: self.base_faces,
+                tolerance: self.tolerance,
+            },
             form: self.form.options()?,
         })
     }
@@ -93,8 +99,9 @@ impl Report {
 pub(super) fn run(args: &Args) -> Result<()> {
     output::check_lone_wavelet_file(&args.output)?;
     let progress = Progress::new("Importing");
-    let Imported { model, cleaned, displacement: [rms, max] } = import_file(&args.mesh, &args.options()?)?;
-    progress.report(0.6);
+    let report = |share| progress.report(share);
+    let Imported { model, cleaned, distance: [rms, max] } =
+        import_file(&args.mesh, &args.options()?, &report)?;
     let base_faces = model.surface.hierarchy().base().faces().len();
     if let Some(limit) = args.base_faces.filter(|&limit| base_faces > limit) {
         bail!(

@@ -105,9 +105,9 @@ pub(super) fn load_surface(path: &Path, options: OpenOptions) -> Result<Model> {
     match load(path, options)? {
         Loaded::Surface(model) => Ok(*model),
         Loaded::Mesh(mesh) => {
-            let conversion = ConversionOptions { levels: None, remesh: Remesh::Never };
+            let conversion = ConversionOptions { remesh: Remesh::Never, ..ConversionOptions::default() };
             let never = ImportOptions { conversion, form: FormOptions::default() };
-            Ok(import(path, &mesh, &never)?.model)
+            Ok(import(path, &mesh, &never, &|_| true)?.model)
         }
     }
 }

@@ -10,7 +10,6 @@ use super::viewport::orbit_angles;
 use super::worker::{Done, Outcome, Work};
 use crate::opening::{self, ImportOptions, Imported};
 use crate::render::BoundingSphere;
-use bozzetto_core::conversion::{ConversionOptions, Remesh};
 use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::edit::{Edit, EditError, Kind, Move};
 use bozzetto_core::hierarchy::Level;
@@ -249,9 +248,7 @@ impl Editor {
 
     pub(super) fn open(&mut self, ctx: &egui::Context, path: PathBuf) {
         if !opening::is_wavelet_file(&path) {
-            let conversion = ConversionOptions { levels: None, remesh: Remesh::Never };
-            let options = ImportOptions { conversion, ..ImportOptions::default() };
-            self.import(ctx, path, options);
+            self.import(ctx, path, ImportOptions::default());
             return;
         }
         if self.document.as_ref().is_some_and(|d| d.session.path() == Some(&path)) {
@@ -268,10 +265,9 @@ impl Editor {
     fn import(&mut self, ctx: &egui::Context, path: PathBuf, options: ImportOptions) {
         self.work =
             Some(Work::opening(ctx.clone(), format!("Importing {}", shown_name(&path)), move |share| {
-                share.report(0.1);
                 let Imported { model, cleaned: mut notes, .. } =
-                    opening::import_file(&path, &options).map_err(|e| format!("{e:#}"))?;
-                share.report(0.8);
+                    opening::import_file(&path, &options, &|done| share.report(done))
+                        .map_err(|e| format!("{e:#}"))?;
                 if model.surface.finest() == Level::BASE {
                     notes.push("This mesh has no subdivision connectivity, so it has one level only".into());
                 }

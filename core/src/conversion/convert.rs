@@ -1,32 +1,37 @@
 //! From a triangle mesh to a hierarchy with positions: a mesh with subdivision connectivity keeps its vertices, any
-//! other can stand as its own base mesh.
+//! other is remeshed or can stand as its own base mesh.
 
+use super::remesh::{Phase, RemeshError, RemeshOptions, remesh};
 use crate::hierarchy::detection::{Detected, detect, own_base};
 use crate::hierarchy::{FINEST_LEVEL, Hierarchy, NotABaseMesh};
 use crate::mesh::connectivity::NotManifold;
-use crate::mesh::{Connectivity, TriangleMesh};
+use crate::mesh::{Comparison, Connectivity, TriangleMesh};
 use rayon::prelude::*;
 use thiserror::Error;
 
 /// Whether to look for subdivision connectivity, and what to do without it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Remesh {
-    /// Use it where it is there; otherwise convert the mesh.
+    /// Use it where it is there; otherwise remesh. A mesh that is no manifold is refused.
     #[default]
     Auto,
-    /// Convert the mesh in any case.
+    /// Repair and remesh in any case.
     Always,
     /// Use it where it is there; otherwise the mesh is its own base mesh, J = 0.
     Never,
 }
 
 /// How to convert.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ConversionOptions {
-    /// At most so many levels.
+    /// At most so many levels, or when the mesh is remeshed, so many.
     pub levels: Option<u8>,
     /// Whether to look for subdivision connectivity.
     pub remesh: Remesh,
+    /// When the mesh is remeshed: at most so many base faces; by default chosen from its size.
+    pub base_faces: Option<usize>,
+    /// When the mesh is remeshed: the greatest distance allowed, over the bounding-box diagonal.
+    pub tolerance: Option<f64>,
 }
 
 /// A hierarchy with positions.
@@ -40,6 +45,8 @@ pub struct Converted {
     pub source: Option<Vec<u32>>,
     /// What was done to the mesh on the way, one sentence each.
     pub cleaned: Vec<String>,
+    /// The distance between the cleaned mesh and the positions, if the mesh was remeshed; else they are its own.
+    pub measured: Option<Comparison>,
 }
 
 /// Why a mesh cannot be converted.
@@ -49,49 +56,67 @@ pub enum ConversionError {
     #[error("the mesh has no faces, so there is no surface; export it with its triangles")]
     Empty,
     /// The mesh is no manifold.
-    #[error("{0}; repair the mesh there (vertices and faces count from 0)")]
+    #[error(
+        "{0}; repair the mesh there (vertices and faces count from 0), or let --remesh always repair and convert it"
+    )]
     NotManifold(#[from] NotManifold),
     /// The mesh cannot be its own base mesh.
     #[error("{0}; repair the mesh there (vertices and faces count from 0)")]
     NotABaseMesh(#[from] NotABaseMesh),
-    /// No subdivision connectivity, and conversion was needed.
-    #[error(
-        "the mesh has no subdivision connectivity (no base mesh whose faces split 1 to 4 give it); \
-         take it as its own base mesh with --remesh never"
-    )]
-    NoSubdivisionConnectivity,
-    /// Remeshing was asked for.
-    #[error("remeshing is not available; leave out --remesh always")]
-    Remesh,
+    /// The mesh could not be remeshed.
+    #[error(transparent)]
+    Remesh(#[from] RemeshError),
 }
 
-/// Converts a mesh. Linear in its faces.
+/// Converts a mesh: by its subdivision connectivity, as its own base mesh, or by remeshing. Linear in its faces but for
+/// remeshing; see [`remesh`].
 ///
 /// # Errors
 /// See [`ConversionError`].
 pub fn convert(mesh: &TriangleMesh, options: &ConversionOptions) -> Result<Converted, ConversionError> {
+    convert_with_progress(mesh, options, &|_, _| true)
+}
+
+/// [`convert`], saying what remeshing does: `progress` gets the phase and the share of it done, and returns whether to
+/// go on.
+///
+/// # Errors
+/// See [`ConversionError`].
+pub fn convert_with_progress(
+    mesh: &TriangleMesh,
+    options: &ConversionOptions,
+    progress: &dyn Fn(Phase, f32) -> bool,
+) -> Result<Converted, ConversionError> {
     if mesh.faces.is_empty() {
         return Err(ConversionError::Empty);
     }
-    if options.remesh == Remesh::Always {
-        return Err(ConversionError::Remesh);
-    }
-    let vertices = mesh.positions.len() as u32;
-    let detected = detect(vertices, &mesh.faces, options.levels.unwrap_or(FINEST_LEVEL))?;
+    let find = || detect(mesh.positions.len() as u32, &mesh.faces, options.levels.unwrap_or(FINEST_LEVEL));
+    let detected = match options.remesh {
+        Remesh::Always => None,
+        Remesh::Auto | Remesh::Never => find()?,
+    };
     let (Detected { hierarchy, source }, found) = match detected {
         Some(detected) => (detected, true),
         None if options.remesh == Remesh::Never => (own_base_of_used(mesh)?, false),
-        None => return Err(ConversionError::NoSubdivisionConnectivity),
+        None => return remeshed(mesh, options, progress),
     };
     let unused = mesh.positions.len() - source.len();
     let cleaned = (unused > 0).then(|| format!("{unused} vertices that no face uses were left out"));
     let positions = source.par_iter().map(|&v| mesh.positions[v as usize]).collect();
-    Ok(Converted {
-        hierarchy,
-        positions,
-        source: found.then_some(source),
-        cleaned: cleaned.into_iter().collect(),
-    })
+    let source = found.then_some(source);
+    Ok(Converted { hierarchy, positions, source, cleaned: cleaned.into_iter().collect(), measured: None })
+}
+
+fn remeshed(
+    mesh: &TriangleMesh,
+    options: &ConversionOptions,
+    progress: &dyn Fn(Phase, f32) -> bool,
+) -> Result<Converted, ConversionError> {
+    let ConversionOptions { levels, base_faces, tolerance, .. } = *options;
+    let remeshing = RemeshOptions { base_faces, levels, tolerance, ..RemeshOptions::default() };
+    let made = remesh(mesh, &remeshing, progress)?;
+    let (hierarchy, positions, cleaned) = (made.hierarchy, made.positions, made.cleaned);
+    Ok(Converted { hierarchy, positions, source: None, cleaned, measured: Some(made.measured) })
 }
 
 /// The mesh as its own base, without vertices of no face.

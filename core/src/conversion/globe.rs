@@ -108,7 +108,7 @@ pub fn globe(grid: &EquirectangularGrid, meaning: GridMeaning, levels: u8) -> Re
     if let Some(radius) = lengths.find_first(|r| *r <= 0.0) {
         return Err(GlobeError::Radius { radius });
     }
-    Ok(Converted { hierarchy, positions, source: None, cleaned: Vec::new() })
+    Ok(Converted { hierarchy, positions, source: None, cleaned: Vec::new(), measured: None })
 }
 
 /// Unit vectors for every slot of the finest level: midpoints, pushed out to the sphere level by level.

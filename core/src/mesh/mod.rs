@@ -11,4 +11,5 @@ mod triangle_mesh;
 pub use bounding_volumes::{BoundingVolumes, ClosestPoint, ClosestPointCursor};
 pub use connectivity::{Connectivity, NotManifold};
 pub use distance::{CompareError, CompareOptions, Comparison, OneWay, compare};
+pub(crate) use sampling::AreaSampler;
 pub use triangle_mesh::{Bounds, FaceIndex, TriangleMesh};

@@ -58,7 +58,7 @@ fn path_dialog(ui: &mut egui::Ui, task: PathTask, path: &str, seen: &Seen<'_>, c
                     ui.selectable_value(wavelet, kind, kind.to_string());
                 }
             });
-            ui.checkbox(own_base, "take a mesh without subdivision connectivity as it is");
+            ui.checkbox(own_base, "take a mesh without subdivision connectivity as it is, with one level");
         }
         PathTask::Export { level } => {
             let finest = seen.document.map_or(0, |d| d.surface().finest().0);
@@ -95,7 +95,7 @@ fn command(task: PathTask, path: PathBuf) -> Command {
         PathTask::Open => Command::Open(path),
         PathTask::Import { wavelet, own_base } => {
             let remesh = if own_base { Remesh::Never } else { Remesh::Auto };
-            let conversion = ConversionOptions { levels: None, remesh };
+            let conversion = ConversionOptions { remesh, ..ConversionOptions::default() };
             let form = FormOptions { wavelet, ..FormOptions::default() };
             Command::Import(path, Box::new(ImportOptions { conversion, form }))
         }

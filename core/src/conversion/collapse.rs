@@ -1,0 +1,266 @@
+//! One edge collapse: what it costs, whether it is allowed, and its flat map.
+
+use super::flatten::{Flattener, Patches};
+use super::parameterise::Parameterisation;
+use super::quadric::Quadric;
+use super::working_mesh::WorkingMesh;
+use glam::DVec3;
+
+/// What a collapse must keep.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CollapseRules {
+    /// Least and greatest valence it may give a vertex; a vertex already beyond is no obstacle unless it gets worse.
+    pub(super) valences: (usize, usize),
+    /// Least sine of an angle in the plane.
+    pub(super) least_sine: f64,
+    /// Least quality of a face in space, 1 for an equilateral triangle, 0 for a degenerate one. A face may
+    /// be worse if one it replaces was.
+    pub(super) least_quality: f64,
+    /// Least cosine between the normals of a face before and after.
+    pub(super) least_cosine: f64,
+}
+
+/// What became of an edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Attempt {
+    /// It was collapsed; one end stays as the new vertex.
+    Done {
+        /// The vertex that stays.
+        kept: u32,
+        /// The vertex that is gone.
+        gone: u32,
+    },
+    /// It stays, and nothing changed.
+    Refused,
+}
+
+/// Cost of the worst face, as a factor: 1 for an equilateral one.
+const SLIVER_PENALTY: f64 = 0.5;
+/// Factor for each step of valence above seven.
+const VALENCE_PENALTY: f64 = 1.5;
+/// Quadric values below this fraction of the squared diagonal are rounding; the point quadrics order those.
+const ROUNDING: f64 = 1e-18;
+/// More local vertices than this are not worth flattening (and have no byte for a number).
+const LARGEST_PATCH: usize = 64;
+
+/// Working memory for collapses.
+#[derive(Debug, Default)]
+pub(super) struct Collapser {
+    flattener: Flattener,
+    patches: Patches,
+    locals: Vec<u32>,
+    retired: Vec<u32>,
+    added: Vec<[u32; 3]>,
+    near: [Vec<u32>; 2],
+}
+
+/// A collapse that topology allows.
+struct Plan {
+    kept: u32,
+    gone: u32,
+    /// Whether the edge lies on the boundary.
+    along_boundary: bool,
+    place: DVec3,
+}
+
+impl Collapser {
+    /// The cost of collapsing an edge, or `None` where the rules forbid it.
+    pub(super) fn cost(
+        &mut self,
+        mesh: &WorkingMesh,
+        quadrics: &[Quadric],
+        ends: [u32; 2],
+        rules: &CollapseRules,
+    ) -> Option<f64> {
+        let plan = self.plan(mesh, quadrics, ends, rules)?;
+        let quality = least_quality(mesh, &plan, rules)?;
+        let quadric = quadrics[plan.kept as usize].plus(&quadrics[plan.gone as usize]);
+        let valence = mesh.valence(plan.kept) + mesh.valence(plan.gone) - 4;
+        let crowded = valence.saturating_sub(7) as f64;
+        let shape = 1.0 + SLIVER_PENALTY * (1.0 / quality.max(0.05) - 1.0) + VALENCE_PENALTY * crowded;
+        Some((quadric.at(plan.place) + ROUNDING) * shape)
+    }
+
+    /// Collapses an edge if the rules allow it.
+    pub(super) fn collapse(
+        &mut self,
+        mesh: &mut WorkingMesh,
+        map: &mut Parameterisation,
+        quadrics: &[Quadric],
+        ends: [u32; 2],
+        rules: &CollapseRules,
+    ) -> Attempt {
+        let Some(plan) = self.plan(mesh, quadrics, ends, rules) else { return Attempt::Refused };
+        if least_quality(mesh, &plan, rules).is_none() || !self.lay_out(mesh, &plan) {
+            return Attempt::Refused;
+        }
+        if !self.flattener.flatten(&self.patches, rules.least_sine) {
+            return Attempt::Refused;
+        }
+        let before = self.retired.iter().copied().zip(self.patches.before.iter().copied());
+        map.record(&self.flattener.plane, before, self.patches.after.iter().copied());
+        mesh.replace(&self.retired, &self.added);
+        mesh.positions[plan.kept as usize] = plan.place;
+        if mesh.is_boundary(plan.gone) {
+            mesh.mark_boundary(plan.kept);
+        }
+        Attempt::Done { kept: plan.kept, gone: plan.gone }
+    }
+
+    /// The link condition and the valences; where the new vertex would be.
+    fn plan(
+        &mut self,
+        mesh: &WorkingMesh,
+        quadrics: &[Quadric],
+        [a, b]: [u32; 2],
+        rules: &CollapseRules,
+    ) -> Option<Plan> {
+        let sides = mesh.sides(a, b);
+        let along_boundary = sides.contains(&None);
+        let both_open = mesh.is_boundary(a) && mesh.is_boundary(b);
+        if both_open && !along_boundary {
+            return None;
+        }
+        let (kept, gone) = if mesh.is_boundary(b) && !mesh.is_boundary(a) { (b, a) } else { (a, b) };
+        let [near_kept, near_gone] = &mut self.near;
+        mesh.neighbours(kept, near_kept);
+        mesh.neighbours(gone, near_gone);
+        let shared = || near_kept.iter().filter(|v| near_gone.binary_search(v).is_ok());
+        let opposite = sides.iter().flatten().count();
+        if shared().count() != opposite {
+            return None;
+        }
+        if along_boundary {
+            // A boundary loop keeps three edges.
+            let [before_a, after_a] = mesh.along_boundary(a);
+            let [before_b, after_b] = mesh.along_boundary(b);
+            if before_a == after_b || after_a == before_b {
+                return None;
+            }
+        }
+        // A tetrahedron, or a lone face, stays.
+        let ring = near_kept.len() + near_gone.len() - 2 - opposite;
+        if ring < 3 || (along_boundary && mesh.star(kept).len() + mesh.star(gone).len() <= 2) {
+            return None;
+        }
+        if let (Some(one), Some(other)) = (shared().next(), shared().nth(1))
+            && near_kept.len() == 3
+            && near_gone.len() == 3
+            && mesh.sides(*one, *other) != [None; 2]
+        {
+            return None;
+        }
+        let (least, most) = rules.valences;
+        let valence = mesh.valence(kept) + mesh.valence(gone) - 2 - opposite;
+        if valence > most && valence > mesh.valence(kept).max(mesh.valence(gone)) {
+            return None;
+        }
+        let thinned = |&v: &u32| mesh.valence(v) <= least.min(if mesh.is_boundary(v) { 2 } else { least });
+        if shared().any(thinned) {
+            return None;
+        }
+        let place = if mesh.is_boundary(kept) && !mesh.is_boundary(gone) {
+            mesh.positions[kept as usize]
+        } else {
+            let (p, q) = (mesh.positions[kept as usize], mesh.positions[gone as usize]);
+            let quadric = quadrics[kept as usize].plus(&quadrics[gone as usize]);
+            let reach = p.distance(q);
+            quadric
+                .minimum()
+                .filter(|x| x.distance(p + (q - p) * 0.5) <= 1.5 * reach)
+                .unwrap_or_else(|| quadric.minimum_between(p, q))
+        };
+        Some(Plan { kept, gone, along_boundary, place })
+    }
+
+    /// Fills the patches before and after. False if there are too many vertices.
+    fn lay_out(&mut self, mesh: &WorkingMesh, plan: &Plan) -> bool {
+        let Self { patches, locals, retired, added, .. } = self;
+        patches.before.clear();
+        patches.after.clear();
+        patches.straight.clear();
+        patches.positions.clear();
+        retired.clear();
+        added.clear();
+        locals.clear();
+        locals.extend([plan.kept, plan.gone]);
+        patches.positions.extend(locals.iter().map(|&v| mesh.positions[v as usize]));
+        // A vertex on the boundary that swallows one inside does not move and is one vertex, before and after.
+        let stays = mesh.is_boundary(plan.kept) && !mesh.is_boundary(plan.gone);
+        patches.centre = if stays { 0 } else { 2 };
+        patches.open = mesh.is_boundary(plan.kept);
+        if !stays {
+            locals.push(u32::MAX);
+            patches.positions.push(plan.place);
+        }
+        let local = |v: u32, locals: &mut Vec<u32>, positions: &mut Vec<DVec3>| {
+            let at = locals.iter().position(|&w| w == v).unwrap_or_else(|| {
+                locals.push(v);
+                positions.push(mesh.positions[v as usize]);
+                locals.len() - 1
+            });
+            at.min(255) as u8
+        };
+        for (center, other) in [(plan.kept, plan.gone), (plan.gone, plan.kept)] {
+            for &f in mesh.star(center) {
+                let face = mesh.face(f);
+                let both = face.contains(&other);
+                if both && center == plan.gone {
+                    continue;
+                }
+                let corners = face.map(|v| local(v, locals, &mut patches.positions));
+                retired.push(f);
+                patches.before.push(corners);
+                if !both {
+                    added.push(face.map(|v| if v == plan.gone { plan.kept } else { v }));
+                    patches.after.push(corners.map(|v| if v < 2 { patches.centre } else { v }));
+                }
+            }
+        }
+        if plan.along_boundary {
+            let [before, after] = mesh.along_boundary(plan.kept);
+            let (first, second) =
+                if after == plan.gone { (plan.kept, plan.gone) } else { (plan.gone, plan.kept) };
+            debug_assert!(after == plan.gone || before == plan.gone);
+            let ends = [mesh.along_boundary(first)[0], mesh.along_boundary(second)[1]];
+            let [start, end] = ends.map(|v| local(v, locals, &mut patches.positions));
+            let [first, second] = [first, second].map(|v| local(v, locals, &mut patches.positions));
+            patches.straight.extend([start, first, second, patches.centre, end]);
+        }
+        locals.len() <= LARGEST_PATCH
+    }
+}
+
+/// The least quality of the faces after, `None` if one is worse than the rules allow or turns too far.
+fn least_quality(mesh: &WorkingMesh, plan: &Plan, rules: &CollapseRules) -> Option<f64> {
+    let mut least = 1.0f64;
+    let mut least_before = 1.0f64;
+    for (center, other) in [(plan.kept, plan.gone), (plan.gone, plan.kept)] {
+        for &f in mesh.star(center) {
+            let face = mesh.face(f);
+            if face.contains(&other) {
+                continue;
+            }
+            let before = mesh.corners(f);
+            let after = std::array::from_fn(|k| if face[k] == center { plan.place } else { before[k] });
+            let (n, m) = (normal(before), normal(after));
+            // A face without area has no side to keep.
+            if n.length_squared() > 0.0 && n.dot(m) <= rules.least_cosine * n.length() * m.length() {
+                return None;
+            }
+            least = least.min(quality(after));
+            least_before = least_before.min(quality(before));
+        }
+    }
+    (least >= rules.least_quality.min(0.9 * least_before)).then_some(least)
+}
+
+fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
+}
+
+/// Four root three times the area over the sum of squared sides.
+pub(super) fn quality([a, b, c]: [DVec3; 3]) -> f64 {
+    let sides = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
+    if sides > 0.0 { 2.0 * 3f64.sqrt() * normal([a, b, c]).length() / sides } else { 0.0 }
+}

@@ -1,0 +1,172 @@
+//! Fitting the finest level to the input: two-way squared distances, a few Gauss–Newton steps (after Friedel,
+//! Schröder, Khodakovsky 2004, *Variational normal meshes*), then the greatest distance.
+//!
+//! Guarantees: the best iterate is returned, the first included; a step that would turn a face over is not made
+//! there; the same input gives the same result at any number of threads.
+
+use super::normal_equations::{Symmetric, System};
+use super::pulls::{Boosts, Fitted, Pulls, Target};
+use super::simplify::Cancelled;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// How to fit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FitRules {
+    /// Steps in all.
+    pub(super) steps: usize,
+    /// The step from which the worst samples weigh more.
+    pub(super) boost_from: usize,
+    /// Weight of evening out along the surface, against that of the samples.
+    pub(super) smoothing: f64,
+}
+
+/// Conjugate gradients end after so many iterations, or when the residual has fallen so far.
+const SOLVER: (usize, f64) = (30, 1e-3);
+/// A step moves no vertex further than this part of its mean edge.
+const TRUST: f64 = 0.5;
+/// Rounds of taking steps back where faces would turn over.
+const GUARD_ROUNDS: usize = 4;
+/// A sample counts among the worst from this many times the root mean square on.
+const WORST: f64 = 4.0;
+/// The greatest factor on a worst sample's weight.
+const GREATEST_BOOST: f64 = 300.0;
+/// What the greatest distance counts against the root mean square when iterates are compared.
+const MAX_VALUE: f64 = 0.04;
+/// Factor on the smoothing at the corners of faces that are turned over.
+const UNFOLD: f64 = 20.0;
+
+/// Fits positions; returns the best iterate: least root mean square, with some regard to the greatest distance.
+///
+/// # Errors
+/// The progress function asked to stop.
+pub(super) fn fit(
+    target: &Target,
+    fitted: &Fitted,
+    start: Vec<DVec3>,
+    rules: &FitRules,
+    progress: &dyn Fn(f32) -> bool,
+) -> Result<Vec<DVec3>, Cancelled> {
+    let mut boosts = target.boosts(fitted);
+    let mut positions = start;
+    let mut best: Option<(f64, Vec<DVec3>)> = None;
+    for step in 0..=rules.steps {
+        if !progress(step as f32 / (rules.steps + 1) as f32) {
+            return Err(Cancelled);
+        }
+        let pulls = target.pulls(fitted, &positions, &boosts);
+        let turned = turned_faces(fitted, &positions, &pulls.normals);
+        let folds = turned.iter().filter(|turned| **turned).count();
+        let score = pulls.rms + MAX_VALUE * pulls.max + folds as f64 * 1e-6;
+        if best.as_ref().is_none_or(|best| score < best.0) {
+            best = Some((score, positions.clone()));
+        }
+        if step == rules.steps {
+            break;
+        }
+        if step >= rules.boost_from {
+            boost(&mut boosts, &pulls);
+        }
+        let delta = solve(fitted, &positions, &pulls, &turned, rules);
+        positions = guarded(fitted, &positions, &delta, &pulls.normals);
+    }
+    let (_, positions) = best.expect("the first iterate was measured");
+    Ok(positions)
+}
+
+fn solve(
+    fitted: &Fitted,
+    positions: &[DVec3],
+    pulls: &Pulls,
+    turned: &[bool],
+    rules: &FitRules,
+) -> Vec<DVec3> {
+    let blocks = pulls.face_blocks();
+    let own = |v: usize, _: &Symmetric| {
+        let (tangent, to_mean) = along_surface(fitted, positions, &pulls.normals, v);
+        let folded = fitted.pattern.corners(v).iter().any(|&c| turned[c as usize / 3]);
+        let weight = rules.smoothing * if folded { UNFOLD } else { 1.0 };
+        let mut block = Symmetric::default();
+        block.add(&tangent, weight);
+        // A trace across the surface keeps vertices no sample sees in place.
+        block.add(&Symmetric::about(DVec3::Z, 1.0, 1.0), 1e-4);
+        (block, tangent.times(to_mean) * weight)
+    };
+    let system = System::assemble(&fitted.pattern, &blocks, own);
+    system.solve(SOLVER.0, SOLVER.1)
+}
+
+/// The projection onto the directions a vertex may slide in, and the way to the middle of its neighbours.
+fn along_surface(fitted: &Fitted, positions: &[DVec3], normals: &[DVec3], v: usize) -> (Symmetric, DVec3) {
+    let here = positions[v];
+    if let Some([before, after]) = fitted.along_boundary[v] {
+        let (p, q) = (positions[before as usize], positions[after as usize]);
+        let tangent = (q - p).normalize_or_zero();
+        return (Symmetric::about(tangent, 1.0, 0.0), p + (q - p) * 0.5 - here);
+    }
+    let normal = fitted.pattern.corners(v).iter().fold(DVec3::ZERO, |sum, &c| sum + normals[c as usize / 3]);
+    let near = fitted.pattern.neighbours(v);
+    let mean = near.iter().fold(DVec3::ZERO, |sum, &w| sum + positions[w as usize]) / near.len() as f64;
+    match normal.try_normalize() {
+        Some(normal) => (Symmetric::about(normal, 0.0, 1.0), mean - here),
+        None => (Symmetric::about(DVec3::Z, 1.0, 1.0), mean - here),
+    }
+}
+
+/// Raises the weights of the worst samples; those of others fall back slowly.
+fn boost(boosts: &mut Boosts, pulls: &Pulls) {
+    let line = WORST * pulls.rms;
+    let raise = |boosts: &mut [f64], distances: &[f64]| {
+        for (boost, distance) in boosts.iter_mut().zip(distances) {
+            let excess = distance / line;
+            let wanted = if excess > 1.0 { *boost * excess.min(3.0) } else { (*boost * 0.9).max(1.0) };
+            *boost = wanted.min(GREATEST_BOOST);
+        }
+    };
+    raise(&mut boosts.from_input, &pulls.from_input);
+    raise(&mut boosts.from_fitted, &pulls.from_fitted);
+}
+
+/// Faces whose normal is against that of the input near them.
+pub(super) fn turned_faces(fitted: &Fitted, positions: &[DVec3], normals: &[DVec3]) -> Vec<bool> {
+    let turned = |(face, normal): (&[u32; 3], &DVec3)| {
+        let [a, b, c] = face.map(|v| positions[v as usize]);
+        (b - a).cross(c - a).dot(*normal) <= 0.0
+    };
+    fitted.pattern.faces().par_iter().zip(normals).map(turned).collect()
+}
+
+/// The positions after a step: shortened to the trust region, and not made where it would turn a face over.
+fn guarded(fitted: &Fitted, positions: &[DVec3], delta: &[DVec3], normals: &[DVec3]) -> Vec<DVec3> {
+    let mut next: Vec<DVec3> = (0..positions.len())
+        .into_par_iter()
+        .map(|v| {
+            let near = fitted.pattern.neighbours(v);
+            let mean: f64 = near.iter().map(|&w| positions[w as usize].distance(positions[v])).sum::<f64>()
+                / near.len() as f64;
+            positions[v] + delta[v].clamp_length_max(TRUST * mean)
+        })
+        .collect();
+    let was = turned_faces(fitted, positions, normals);
+    for round in 0..GUARD_ROUNDS {
+        let now = turned_faces(fitted, &next, normals);
+        let mut bad: Vec<u32> = now
+            .iter()
+            .zip(&was)
+            .zip(fitted.pattern.faces())
+            .filter(|((now, was), _)| **now && !**was)
+            .flat_map(|(_, face)| *face)
+            .collect();
+        if bad.is_empty() {
+            break;
+        }
+        bad.sort_unstable();
+        bad.dedup();
+        let keep = if round + 2 < GUARD_ROUNDS { 0.4 } else { 0.0 };
+        for v in bad {
+            let v = v as usize;
+            next[v] = positions[v] + (next[v] - positions[v]) * keep;
+        }
+    }
+    next
+}

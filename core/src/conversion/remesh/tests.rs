@@ -1,0 +1,97 @@
+use super::*;
+use crate::mesh::{BoundingVolumes, Connectivity, FaceIndex, shapes};
+
+/// A smooth-ish bumpy version of a shape with irregular connectivity left as it is.
+fn bumpy(mesh: &TriangleMesh, times: u32) -> TriangleMesh {
+    let mut fine = shapes::subdivide(mesh, times);
+    for p in &mut fine.positions {
+        let bump = 0.03 * ((3.0 * p[0]).sin() + (4.0 * p[1]).cos() + (2.5 * p[2]).sin());
+        *p = [p[0] + bump, p[1] - 0.5 * bump, p[2] + 0.7 * bump];
+    }
+    fine
+}
+
+fn figures(vertices: usize, faces: &[[u32; 3]]) -> (u32, u32, u32) {
+    let connectivity = Connectivity::build(vertices as u32, faces.to_vec()).expect("a manifold");
+    (connectivity.genus(), connectivity.components(), connectivity.boundary_loops())
+}
+
+fn options(base_faces: usize, levels: u8) -> RemeshOptions {
+    RemeshOptions { base_faces: Some(base_faces), levels: Some(levels), ..RemeshOptions::default() }
+}
+
+/// Faces whose normal is against that of the nearest point of the input.
+fn turned(input: &TriangleMesh, result: &TriangleMesh) -> usize {
+    let tree = BoundingVolumes::build(input).expect("faces");
+    let normal = |mesh: &TriangleMesh, f: FaceIndex| {
+        let [a, b, c] = mesh.corners(f).map(DVec3::from);
+        (b - a).cross(c - a)
+    };
+    (0..result.faces.len() as u32)
+        .filter(|&f| {
+            let [a, b, c] = result.corners(FaceIndex(f)).map(DVec3::from);
+            let nearest = tree.closest(((a + b + c) / 3.0).to_array()).face;
+            normal(result, FaceIndex(f)).dot(normal(input, nearest)) <= 0.0
+        })
+        .count()
+}
+
+#[test]
+fn topology_is_kept_and_the_surfaces_are_close() {
+    for (name, mesh, base_faces) in [
+        ("sphere", shapes::octahedron(), 24),
+        ("torus", shapes::torus(12, 16), 60),
+        ("pretzel", shapes::pretzel(2), 150),
+        ("disc", shapes::disc(7), 12),
+        ("bipyramid", shapes::bipyramid(12), 30),
+        ("two components", shapes::together(&[shapes::octahedron(), shapes::disc(7)]), 30),
+    ] {
+        let input = bumpy(&mesh, 3);
+        let result = remesh(&input, &options(base_faces, 3), &|_, _| true).expect(name);
+        let faces = result.hierarchy.triangles(Level(3));
+        assert!(result.hierarchy.base().faces().len() <= base_faces, "{name}");
+        let expected = figures(input.positions.len(), &input.faces);
+        assert_eq!(figures(result.positions.len(), &faces), expected, "{name}");
+        assert!(result.measured.rms < 5e-3, "{name}: rms {}", result.measured.rms);
+        let out = TriangleMesh { positions: result.positions, faces };
+        assert!(turned(&input, &out) * 500 <= out.faces.len(), "{name}: {} turned", turned(&input, &out));
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let input = bumpy(&shapes::pretzel(2), 2);
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| remesh(&input, &options(120, 2), &|_, _| true)).expect("a conversion").positions
+    };
+    let bits =
+        |positions: Vec<[f64; 3]>| positions.into_iter().flatten().map(f64::to_bits).collect::<Vec<_>>();
+    let one = bits(run(1));
+    assert!(one == bits(run(2)) && one == bits(run(7)));
+}
+
+#[test]
+fn the_tolerance_is_compared_with_what_was_measured() {
+    let input = bumpy(&shapes::octahedron(), 4);
+    let with = |tolerance| RemeshOptions { tolerance: Some(tolerance), ..options(40, 3) };
+    let met = |tolerance| remesh(&input, &with(tolerance), &|_, _| true).expect("a conversion").tolerance_met;
+    assert_eq!((met(0.5), met(1e-9)), (Some(true), Some(false)));
+}
+
+#[test]
+fn every_phase_can_be_cancelled() {
+    let input = bumpy(&shapes::octahedron(), 4);
+    for stop in [Phase::Clean, Phase::Simplify, Phase::Resample, Phase::Relax, Phase::Fit, Phase::Measure] {
+        let result = remesh(&input, &options(40, 3), &|phase, _| phase != stop);
+        let cancelled =
+            matches!(result, Err(RemeshError::Cancelled | RemeshError::Measure(CompareError::Cancelled)));
+        assert!(cancelled, "{stop:?}");
+    }
+}
+
+#[test]
+fn nothing_to_convert_is_said() {
+    let flat = TriangleMesh { positions: vec![[1.0; 3]; 3], faces: vec![[0, 1, 2]] };
+    assert!(matches!(remesh(&flat, &RemeshOptions::default(), &|_, _| true), Err(RemeshError::Empty)));
+}

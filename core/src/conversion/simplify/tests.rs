@@ -1,0 +1,44 @@
+use super::*;
+use crate::mesh::{TriangleMesh, shapes};
+use glam::DVec3;
+
+/// A mesh simplified to a number of faces, and the map to it.
+pub(crate) fn simplified(mesh: &TriangleMesh, target: usize) -> (Parameterisation, WorkingMesh) {
+    let connectivity = crate::mesh::Connectivity::build(mesh.positions.len() as u32, mesh.faces.clone())
+        .expect("a manifold");
+    let positions = mesh.positions.iter().map(|&p| DVec3::from(p)).collect();
+    let mut working = WorkingMesh::new(positions, &connectivity);
+    let mut map = Parameterisation::new(mesh.faces.len() as u32);
+    simplify(&mut working, &mut map, target, &|_| true).expect("not cancelled");
+    (map, working)
+}
+
+#[test]
+fn topology_is_kept() {
+    for (name, mesh) in shapes::awkward() {
+        let fine = shapes::subdivide(&mesh, 3);
+        let (_, working) = simplified(&fine, mesh.faces.len());
+        let faces: Vec<[u32; 3]> = working.live_faces().map(|f| working.face(f)).collect();
+        let count = working.positions.len() as u32;
+        let after = crate::mesh::Connectivity::build(count, faces).expect(name);
+        let before = crate::mesh::Connectivity::build(count, fine.faces.clone()).expect(name);
+        let figures = |c: &crate::mesh::Connectivity| (c.genus(), c.components(), c.boundary_loops());
+        assert_eq!(figures(&after), figures(&before), "{name}");
+        let mut corners: Vec<[u32; 3]> = after.faces().to_vec();
+        corners.iter_mut().for_each(|f| f.sort_unstable());
+        corners.sort_unstable();
+        assert!(corners.windows(2).all(|pair| pair[0] != pair[1]), "{name}");
+        assert!(working.live_count() <= 2 * mesh.faces.len() + 4, "{name}: {} faces", working.live_count());
+    }
+}
+
+#[test]
+fn it_can_be_stopped() {
+    let mesh = shapes::subdivide(&shapes::octahedron(), 5);
+    let connectivity =
+        crate::mesh::Connectivity::build(mesh.positions.len() as u32, mesh.faces.clone()).unwrap();
+    let positions = mesh.positions.iter().map(|&p| DVec3::from(p)).collect();
+    let mut working = WorkingMesh::new(positions, &connectivity);
+    let mut map = Parameterisation::new(mesh.faces.len() as u32);
+    assert_eq!(simplify(&mut working, &mut map, 8, &|done| done < 0.5), Err(Cancelled));
+}

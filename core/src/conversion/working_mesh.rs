@@ -1,0 +1,139 @@
+//! A mesh that shrinks: faces are only ever added and retired, so a face's number names it for good.
+//!
+//! Guarantees: oriented, manifold and simplicial after every step that [`WorkingMesh::replace`] makes with patches
+//! that keep it so. Non-guarantees: replace checks nothing; the callers do.
+
+use crate::mesh::connectivity::{Connectivity, NONE};
+use glam::DVec3;
+
+/// Triangles with retired ones in between.
+#[derive(Debug, Clone)]
+pub(super) struct WorkingMesh {
+    /// Where each vertex is; those of vertices without faces mean nothing.
+    pub(super) positions: Vec<DVec3>,
+    faces: Vec<[u32; 3]>,
+    live: Vec<bool>,
+    stars: Vec<Vec<u32>>,
+    boundary: Vec<bool>,
+    live_count: usize,
+}
+
+impl WorkingMesh {
+    /// The whole mesh, nothing retired.
+    pub(super) fn new(positions: Vec<DVec3>, connectivity: &Connectivity) -> Self {
+        let faces = connectivity.faces().to_vec();
+        let mut stars: Vec<Vec<u32>> = positions.iter().map(|_| Vec::with_capacity(8)).collect();
+        for (f, face) in faces.iter().enumerate() {
+            face.iter().for_each(|&v| stars[v as usize].push(f as u32));
+        }
+        let boundary = (0..positions.len() as u32)
+            .map(|v| connectivity.outgoing(v) != NONE && connectivity.is_boundary(v))
+            .collect();
+        Self { positions, live: vec![true; faces.len()], live_count: faces.len(), faces, stars, boundary }
+    }
+
+    /// Live faces.
+    pub(super) fn live_count(&self) -> usize {
+        self.live_count
+    }
+
+    /// Whether the face is part of the mesh now.
+    pub(super) fn is_live(&self, face: u32) -> bool {
+        self.live[face as usize]
+    }
+
+    /// The numbers of the live faces, ascending.
+    pub(super) fn live_faces(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.faces.len() as u32).filter(|&f| self.live[f as usize])
+    }
+
+    /// The corners of a face, live or not.
+    pub(super) fn face(&self, face: u32) -> [u32; 3] {
+        self.faces[face as usize]
+    }
+
+    /// The live faces of a vertex, in no particular but a repeatable order.
+    pub(super) fn star(&self, vertex: u32) -> &[u32] {
+        &self.stars[vertex as usize]
+    }
+
+    /// Whether the vertex lies on the boundary.
+    pub(super) fn is_boundary(&self, vertex: u32) -> bool {
+        self.boundary[vertex as usize]
+    }
+
+    /// Where the corners of a face are.
+    pub(super) fn corners(&self, face: u32) -> [DVec3; 3] {
+        self.face(face).map(|v| self.positions[v as usize])
+    }
+
+    /// The number of neighbouring vertices.
+    pub(super) fn valence(&self, vertex: u32) -> usize {
+        self.star(vertex).len() + usize::from(self.is_boundary(vertex))
+    }
+
+    /// The vertices joined to `vertex` by an edge, each once, ascending.
+    pub(super) fn neighbours(&self, vertex: u32, into: &mut Vec<u32>) {
+        into.clear();
+        for &f in self.star(vertex) {
+            into.extend(self.face(f).into_iter().filter(|&w| w != vertex));
+        }
+        into.sort_unstable();
+        into.dedup();
+    }
+
+    /// The live faces at an edge: the one that runs from `a` to `b`, and the one that runs back.
+    pub(super) fn sides(&self, a: u32, b: u32) -> [Option<u32>; 2] {
+        let mut sides = [None; 2];
+        for &f in self.star(a) {
+            let face = self.face(f);
+            if let Some(k) = face.iter().position(|&v| v == a) {
+                if face[(k + 1) % 3] == b {
+                    sides[0] = Some(f);
+                } else if face[(k + 2) % 3] == b {
+                    sides[1] = Some(f);
+                }
+            }
+        }
+        sides
+    }
+
+    /// The neighbours of a boundary vertex along the boundary: before it and after it, in the sense of the faces.
+    pub(super) fn along_boundary(&self, vertex: u32) -> [u32; 2] {
+        let mut out: Vec<u32> = Vec::with_capacity(8);
+        let mut back: Vec<u32> = Vec::with_capacity(8);
+        for &f in self.star(vertex) {
+            let face = self.face(f);
+            let k = face.iter().position(|&v| v == vertex).expect("a star's face holds its vertex");
+            out.push(face[(k + 1) % 3]);
+            back.push(face[(k + 2) % 3]);
+        }
+        let after = out.iter().find(|v| !back.contains(v)).expect("a boundary vertex ends a fan");
+        let before = back.iter().find(|v| !out.contains(v)).expect("a boundary vertex ends a fan");
+        [*before, *after]
+    }
+
+    /// Retires faces and adds others; returns the number of the first added.
+    pub(super) fn replace(&mut self, retired: &[u32], added: &[[u32; 3]]) -> u32 {
+        for &f in retired {
+            self.live[f as usize] = false;
+            for v in self.faces[f as usize] {
+                self.stars[v as usize].retain(|&g| g != f);
+            }
+        }
+        let first = self.faces.len() as u32;
+        for (&face, id) in added.iter().zip(first..) {
+            face.iter().for_each(|&v| self.stars[v as usize].push(id));
+            self.faces.push(face);
+            self.live.push(true);
+        }
+        self.live_count += added.len();
+        self.live_count -= retired.len();
+        first
+    }
+
+    /// Says that a vertex lies on the boundary.
+    pub(super) fn mark_boundary(&mut self, vertex: u32) {
+        self.boundary[vertex as usize] = true;
+    }
+}
