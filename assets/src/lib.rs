@@ -2,11 +2,17 @@
 //!
 //! Two models, two families of modules:
 //! - the globe: [`netcdf`] reads the elevations, [`elevation`] reduces them to a small image;
-//! - the head: a subdivided icosahedron is [`wrap`]ped onto the [`faun`]'s [`distance_field`].
+//! - the head: [`faun`] is its shape as a [`distance_field`], [`base_mesh`] its base mesh; [`sculpt`] leads the one onto
+//!   the other level by level with [`relax`], and [`carving`]
+//!   cuts the fine detail.
 
+pub mod base_mesh;
+pub mod carving;
 pub mod distance_field;
 pub mod elevation;
 pub mod faun;
 pub mod netcdf;
+pub mod relax;
+pub mod sculpt;
+pub mod skin;
 pub mod vector;
-pub mod wrap;
