@@ -28,7 +28,7 @@ const LONGEST_STEP: Duration = Duration::from_millis(8);
 const LONG_WORK: u32 = 100_000;
 
 impl Editor {
-    /// Carries out a command. `picture` is the picture's size in points.
+    /// Carries out a command.
     pub(super) fn execute(&mut self, ctx: &egui::Context, command: Command) {
         match command {
             Command::Ask(dialog) => self.dialog = Some(dialog),
@@ -333,7 +333,7 @@ impl Editor {
     }
 
     /// Takes back what work came back with.
-    pub(super) fn take_outcome(&mut self, ctx: &egui::Context) {
+    pub(super) fn take_outcome(&mut self) {
         let Some(outcome) = self.work.as_ref().and_then(Work::poll) else { return };
         self.work = None;
         match outcome {
@@ -349,9 +349,6 @@ impl Editor {
                     }
                     Ok(Done::Wrote(text)) => {
                         self.banner = Some(Banner { text, failed: false });
-                        if self.quit_after_work {
-                            self.leave(ctx, Leaving::Keeping);
-                        }
                     }
                     Err(sentence) => {
                         self.scenery.replace_surface();

@@ -60,7 +60,6 @@ pub struct Editor {
     /// The camera is to be fitted once the picture's size is known.
     refit: bool,
     leaving: bool,
-    quit_after_work: bool,
     title: String,
 }
 
@@ -95,7 +94,6 @@ impl Editor {
             picture: Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(968.0, 772.0)),
             refit: false,
             leaving: false,
-            quit_after_work: false,
             title: String::new(),
         };
         match start {
@@ -230,7 +228,7 @@ impl Editor {
 impl eframe::App for Editor {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
-        self.take_outcome(&ctx);
+        self.take_outcome();
         self.take_chosen_file();
         let mut commands = Vec::new();
         if self.dialog.is_none() && self.work.is_none() {
