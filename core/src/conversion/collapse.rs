@@ -11,6 +11,8 @@ use glam::DVec3;
 pub(super) struct CollapseRules {
     /// Least and greatest valence it may give a vertex; a vertex already beyond is no obstacle unless it gets worse.
     pub(super) valences: (usize, usize),
+    /// Least valence on the boundary.
+    pub(super) least_on_boundary: usize,
     /// Least sine of an angle in the plane.
     pub(super) least_sine: f64,
     /// Least quality of a face in space, 1 for an equilateral triangle, 0 for a degenerate one. A face may
@@ -64,21 +66,22 @@ struct Plan {
 }
 
 impl Collapser {
-    /// The cost of collapsing an edge, or `None` where the rules forbid it.
+    /// The squared distance that collapsing an edge makes, and a factor for the shapes it leaves; `None` where the rules
+    /// forbid it.
     pub(super) fn cost(
         &mut self,
         mesh: &WorkingMesh,
         quadrics: &[Quadric],
         ends: [u32; 2],
         rules: &CollapseRules,
-    ) -> Option<f64> {
+    ) -> Option<(f64, f64)> {
         let plan = self.plan(mesh, quadrics, ends, rules)?;
         let quality = least_quality(mesh, &plan, rules)?;
         let quadric = quadrics[plan.kept as usize].plus(&quadrics[plan.gone as usize]);
         let valence = mesh.valence(plan.kept) + mesh.valence(plan.gone) - 4;
         let crowded = valence.saturating_sub(7) as f64;
         let shape = 1.0 + SLIVER_PENALTY * (1.0 / quality.max(0.05) - 1.0) + VALENCE_PENALTY * crowded;
-        Some((quadric.at(plan.place) + ROUNDING) * shape)
+        Some((quadric.at(plan.place) + ROUNDING, shape))
     }
 
     /// Collapses an edge if the rules allow it.
@@ -155,7 +158,8 @@ impl Collapser {
         if valence > most && valence > mesh.valence(kept).max(mesh.valence(gone)) {
             return None;
         }
-        let thinned = |&v: &u32| mesh.valence(v) <= least.min(if mesh.is_boundary(v) { 2 } else { least });
+        let thinned =
+            |&v: &u32| mesh.valence(v) <= if mesh.is_boundary(v) { rules.least_on_boundary } else { least };
         if shared().any(thinned) {
             return None;
         }

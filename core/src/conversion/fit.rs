@@ -1,11 +1,11 @@
 //! Fitting the finest level to the input: two-way squared distances, a few Gauss–Newton steps (after Friedel,
 //! Schröder, Khodakovsky 2004, *Variational normal meshes*), then the greatest distance.
 //!
-//! Guarantees: the best iterate is returned, the first included; a step that would turn a face over is not made
+//! Guarantees: the best iterate of the last steps is returned; a step that would turn a face over is not made
 //! there; the same input gives the same result at any number of threads.
 
 use super::normal_equations::{Symmetric, System};
-use super::pulls::{Boosts, Fitted, Pulls, Target};
+use super::pulls::{Boosts, Fitted, Look, Pulls, Target};
 use super::simplify::Cancelled;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,6 +15,8 @@ use rayon::prelude::*;
 pub(super) struct FitRules {
     /// Steps in all.
     pub(super) steps: usize,
+    /// The first of them, that look at fewer samples.
+    pub(super) rough: usize,
     /// The step from which the worst samples weigh more.
     pub(super) boost_from: usize,
     /// Weight of evening out along the surface, against that of the samples.
@@ -34,7 +36,7 @@ const GREATEST_BOOST: f64 = 300.0;
 /// What the greatest distance counts against the root mean square when iterates are compared.
 const MAX_VALUE: f64 = 0.04;
 /// Factor on the smoothing at the corners of faces that are turned over.
-const UNFOLD: f64 = 20.0;
+const UNFOLD: f64 = 5.0;
 
 /// Fits positions; returns the best iterate: least root mean square, with some regard to the greatest distance.
 ///
@@ -54,11 +56,12 @@ pub(super) fn fit(
         if !progress(step as f32 / (rules.steps + 1) as f32) {
             return Err(Cancelled);
         }
-        let pulls = target.pulls(fitted, &positions, &boosts);
+        let look = if step < rules.rough { Look::Rough } else { Look::Close };
+        let pulls = target.pulls(fitted, &positions, &boosts, look);
         let turned = turned_faces(fitted, &positions, &pulls.normals);
         let folds = turned.iter().filter(|turned| **turned).count();
         let score = pulls.rms + MAX_VALUE * pulls.max + folds as f64 * 1e-6;
-        if best.as_ref().is_none_or(|best| score < best.0) {
+        if look == Look::Close && best.as_ref().is_none_or(|best| score < best.0) {
             best = Some((score, positions.clone()));
         }
         if step == rules.steps {
@@ -70,7 +73,7 @@ pub(super) fn fit(
         let delta = solve(fitted, &positions, &pulls, &turned, rules);
         positions = guarded(fitted, &positions, &delta, &pulls.normals);
     }
-    let (_, positions) = best.expect("the first iterate was measured");
+    let (_, positions) = best.expect("the last iterate was looked at closely");
     Ok(positions)
 }
 

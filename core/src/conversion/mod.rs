@@ -1,21 +1,27 @@
 //! Any mesh or picture to a hierarchy with positions.
 
+mod base_flips;
 pub mod clean;
 mod collapse;
 mod convert;
+mod curves;
+mod density;
+mod domain;
 mod edge_flips;
+mod even;
 mod fit;
 mod flatten;
 mod globe;
+mod lattice;
+mod lay_out;
 mod normal_equations;
 mod parameterise;
 mod pulls;
 mod quadric;
-mod relax;
 pub mod remesh;
-mod resample;
 mod simplify;
 mod walk;
+mod warp;
 mod working_mesh;
 
 pub use convert::{ConversionError, ConversionOptions, Converted, Remesh, convert, convert_with_progress};

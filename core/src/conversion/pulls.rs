@@ -19,6 +19,8 @@ const VERTEX_WEIGHT: f64 = 0.15;
 const NO_GAP: f64 = 1e-9;
 /// Queries one thread makes in a row.
 const CHUNK: usize = 1024;
+/// The middle of a face.
+const MIDDLE: [[f64; 3]; 1] = [[1.0 / 3.0; 3]];
 /// Points inside a face: exact for quadratic integrands.
 const INSIDE: [[f64; 3]; 3] =
     [[2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0]];
@@ -67,6 +69,15 @@ pub(super) struct Pulls {
     pub(super) rms: f64,
     /// Greatest distance of any sample.
     pub(super) max: f64,
+}
+
+/// How closely to look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Look {
+    /// Half of the samples by area, one in each face: a third of the queries, enough for the first steps.
+    Rough,
+    /// All samples, and the vertices of both.
+    Close,
 }
 
 /// Factors on the weights of single samples, kept from iterate to iterate.
@@ -151,14 +162,21 @@ impl<'m> Target<'m> {
     }
 
     /// Every sample's closest point on the other surface.
-    pub(super) fn pulls(&self, fitted: &Fitted, positions: &[DVec3], boosts: &Boosts) -> Pulls {
+    pub(super) fn pulls(&self, fitted: &Fitted, positions: &[DVec3], boosts: &Boosts, look: Look) -> Pulls {
+        let inside: &[[f64; 3]] = if look == Look::Rough { &MIDDLE } else { &INSIDE };
+        let (samples, by_area): (Vec<DVec3>, usize) = match look {
+            Look::Rough => {
+                (self.samples[..self.by_area].iter().step_by(2).copied().collect(), self.by_area.div_ceil(2))
+            }
+            Look::Close => (self.samples.clone(), self.by_area),
+        };
         let vertices = fitted.pattern.vertices() as f64;
         let current = fitted.mesh(positions);
         let (tree, back) = rayon::join(
             || BoundingVolumes::build(&current).expect("a fitted surface has faces"),
-            || self.samples_of_fitted(fitted, positions),
+            || self.samples_of_fitted(fitted, positions, inside, look == Look::Close),
         );
-        let forth = self.samples_of_input(fitted, &tree, positions);
+        let forth = samples_of_input(&samples, fitted, &tree, positions);
 
         // Weights: either way the area samples together weigh as much as there are vertices.
         let area = |f: &[u32; 3]| {
@@ -167,20 +185,21 @@ impl<'m> Target<'m> {
         };
         let areas: Vec<f64> = fitted.pattern.faces().par_iter().map(area).collect();
         let total: f64 = areas.iter().sum();
-        let face_points = 3 * areas.len();
+        let per_face = inside.len();
+        let face_points = per_face * areas.len();
         let mut pulls = Vec::with_capacity(forth.len() + back.len());
         let (mut squares, mut max) = ([0.0; 2], 0.0f64);
         let mut from_input = Vec::with_capacity(forth.len());
         for (k, mut pull) in forth.into_iter().enumerate() {
             let squared = pull.gap.length_squared();
-            let by_area = k < self.by_area;
+            let is_area = k < by_area;
             pull.weight = boosts.from_input[k]
-                * if by_area {
-                    vertices / self.by_area as f64
+                * if is_area {
+                    vertices / by_area as f64
                 } else {
                     VERTEX_WEIGHT * vertices / self.mesh.positions.len() as f64
                 };
-            squares[0] += if by_area { squared / self.by_area as f64 } else { 0.0 };
+            squares[0] += if is_area { squared / by_area as f64 } else { 0.0 };
             max = max.max(squared);
             from_input.push(squared.sqrt());
             pulls.push(pull);
@@ -189,10 +208,10 @@ impl<'m> Target<'m> {
         let mut from_fitted = Vec::with_capacity(back.len());
         for (k, (mut pull, normal)) in back.into_iter().enumerate() {
             let squared = pull.gap.length_squared();
-            pull.weight = boosts.from_fitted[k]
+            pull.weight *= boosts.from_fitted[k]
                 * if k < face_points {
-                    normals[k / 3] += normal;
-                    let share = areas[k / 3] / total / 3.0;
+                    normals[k / per_face] += normal;
+                    let share = areas[k / per_face] / total / per_face as f64;
                     squares[1] += squared * share;
                     // A face folded away must still be pulled.
                     vertices * share + 1e-3 * vertices / face_points as f64
@@ -209,39 +228,23 @@ impl<'m> Target<'m> {
         Pulls { pulls, starts, from_input, from_fitted, normals, rms, max: max.sqrt() }
     }
 
-    fn samples_of_input(&self, fitted: &Fitted, tree: &BoundingVolumes, positions: &[DVec3]) -> Vec<Pull> {
-        let chunk = |points: &[DVec3]| {
-            let mut cursor = tree.cursor();
-            let pull = |p: &DVec3| {
-                let found = cursor.closest(p.to_array());
-                let corners = fitted.pattern.faces()[found.face.0 as usize].map(|v| positions[v as usize]);
-                let gap = *p - DVec3::from(found.point);
-                let [a, b, c] = corners;
-                let direction = direction(gap, (b - a).cross(c - a));
-                Pull {
-                    face: found.face.0,
-                    weights: barycentric(corners, found.point.into()),
-                    gap,
-                    metric: Symmetric::about(direction, 1.0, ALONG),
-                    weight: 0.0,
-                }
-            };
-            points.iter().map(pull).collect::<Vec<_>>()
-        };
-        self.samples.par_chunks(CHUNK).flat_map_iter(chunk).collect()
-    }
-
-    fn samples_of_fitted(&self, fitted: &Fitted, positions: &[DVec3]) -> Vec<(Pull, DVec3)> {
+    fn samples_of_fitted(
+        &self,
+        fitted: &Fitted,
+        positions: &[DVec3],
+        inside: &[[f64; 3]],
+        vertices: bool,
+    ) -> Vec<(Pull, DVec3)> {
         let faces = fitted.pattern.faces();
-        let points = 3 * faces.len();
-        let total = points + positions.len();
+        let points = inside.len() * faces.len();
+        let total = points + if vertices { positions.len() } else { 0 };
         (0..total.div_ceil(CHUNK))
             .into_par_iter()
             .flat_map_iter(|chunk| {
                 let mut cursor = self.tree.cursor();
                 let pull = |k: usize| {
                     let (face, weights) = if k < points {
-                        (k / 3, INSIDE[k % 3])
+                        (k / inside.len(), inside[k % inside.len()])
                     } else {
                         let corner = fitted.pattern.corners(k - points)[0] as usize;
                         let mut weights = [0.0; 3];
@@ -254,7 +257,18 @@ impl<'m> Target<'m> {
                     let normal = self.normals[found.face.0 as usize];
                     let gap = DVec3::from(found.point) - at;
                     let metric = Symmetric::about(direction(gap, normal), 1.0, ALONG);
-                    (Pull { face: face as u32, weights, gap, metric, weight: 0.0 }, normal)
+                    // A face turned over, or led astray to the other side of a thin wall, is smoothed, not pulled.
+                    let against = (b - a).cross(c - a).dot(normal) < 0.0;
+                    (
+                        Pull {
+                            face: face as u32,
+                            weights,
+                            gap,
+                            metric,
+                            weight: if against { 0.0 } else { 1.0 },
+                        },
+                        normal,
+                    )
                 };
                 (chunk * CHUNK..((chunk + 1) * CHUNK).min(total)).map(pull).collect::<Vec<_>>()
             })
@@ -296,6 +310,33 @@ impl<'m> Target<'m> {
             add(on_side(fitted.boundary[found.face.0 as usize], t), *sample - at, [p, q], share);
         }
     }
+}
+
+fn samples_of_input(
+    samples: &[DVec3],
+    fitted: &Fitted,
+    tree: &BoundingVolumes,
+    positions: &[DVec3],
+) -> Vec<Pull> {
+    let chunk = |points: &[DVec3]| {
+        let mut cursor = tree.cursor();
+        let pull = |p: &DVec3| {
+            let found = cursor.closest(p.to_array());
+            let corners = fitted.pattern.faces()[found.face.0 as usize].map(|v| positions[v as usize]);
+            let gap = *p - DVec3::from(found.point);
+            let [a, b, c] = corners;
+            let direction = direction(gap, (b - a).cross(c - a));
+            Pull {
+                face: found.face.0,
+                weights: barycentric(corners, found.point.into()),
+                gap,
+                metric: Symmetric::about(direction, 1.0, ALONG),
+                weight: 0.0,
+            }
+        };
+        points.iter().map(pull).collect::<Vec<_>>()
+    };
+    samples.par_chunks(CHUNK).flat_map_iter(chunk).collect()
 }
 
 impl Pulls {

@@ -1,19 +1,20 @@
 //! The whole conversion: clean, simplify, resample, fit, measure.
 
 use super::clean::clean;
+use super::density::Density;
+use super::domain::Domain;
 use super::edge_flips::{flip_edges, open_ears};
 use super::fit::{FitRules, fit};
+use super::lattice::Lattice;
+use super::lay_out::{Input, NoLattice, lay_out};
 use super::parameterise::Parameterisation;
-use super::pulls::{Fitted, Target};
-use super::relax::relax;
-use super::resample::{base_faces, place, resample};
+use super::pulls::Target;
 use super::simplify::{Cancelled, simplify};
 use super::walk::Ground;
 use super::working_mesh::WorkingMesh;
 use crate::hierarchy::{Hierarchy, Level, NotABaseMesh};
 use crate::mesh::{CompareError, CompareOptions, Comparison, TriangleMesh, compare};
 use glam::DVec3;
-use std::sync::Arc;
 use thiserror::Error;
 
 /// How to convert.
@@ -117,24 +118,29 @@ pub fn remesh(
     let mut working = WorkingMesh::new(places, &cleaned.connectivity);
     let mut map = Parameterisation::new(unit.faces.len() as u32);
     open_ears(&mut working, &mut map);
-    simplify(&mut working, &mut map, target, &|done| progress(Phase::Simplify, done))?;
+    let wanted = target as f64 * f64::from(4u32.pow(levels.into()));
+    let mut density = Density::new(&unit, &cleaned.connectivity, wanted);
+    simplify(&mut working, &mut map, target, &density, &|done| progress(Phase::Simplify, done))?;
     open_ears(&mut working, &mut map);
     flip_edges(&mut working, &mut map);
 
     check(Phase::Resample, 0.0)?;
-    let faces = base_faces(&working)?;
-    let too_fine = RemeshError::TooFine { base_faces: faces.base.faces().len(), levels };
-    let hierarchy = Hierarchy::new(Arc::new(faces.base.clone()), Level(levels)).ok_or(too_fine)?;
-    let samples = resample(&hierarchy, Level(levels), &faces, &map);
-
-    let fitted = Fitted::new(samples.len(), &hierarchy.triangles(Level(levels)));
-    let near = Target::new(&unit, fitted.pattern.faces().len()).ok_or(RemeshError::Empty)?;
-    check(Phase::Relax, 0.0)?;
+    let domain = Domain::new(&working, &map)?;
     let ground = Ground { mesh: &unit, connectivity: &cleaned.connectivity };
-    let samples = relax(&hierarchy, &ground, &fitted, samples, &|done| progress(Phase::Relax, done))?;
-    let positions = place(&ground, &samples);
+    let laid = lay_out(
+        &Input { mesh: &unit, ground: &ground, domain: &domain },
+        &mut density,
+        Level(levels),
+        &|done| progress(Phase::Relax, done),
+    );
+    let (lattice, places) = laid.map_err(|why| match why {
+        NoLattice::TooFine => RemeshError::TooFine { base_faces: domain.base.faces().len(), levels },
+        NoLattice::Cancelled => RemeshError::Cancelled,
+    })?;
+    let Lattice { hierarchy, fitted, .. } = lattice;
+    let near = Target::new(&unit, fitted.pattern.faces().len()).ok_or(RemeshError::Empty)?;
     check(Phase::Fit, 0.0)?;
-    let positions = fit(&near, &fitted, positions, &FIT, &|done| progress(Phase::Fit, done))?;
+    let positions = fit(&near, &fitted, places.at, &FIT, &|done| progress(Phase::Fit, done))?;
 
     check(Phase::Measure, 0.0)?;
     let positions: Vec<[f64; 3]> = positions.iter().map(|&p| frame.to_model(p)).collect();
@@ -150,8 +156,8 @@ pub fn remesh(
     })
 }
 
-/// On four scans the first two steps take out most of the error, and no step after the seventh any.
-const FIT: FitRules = FitRules { steps: 7, boost_from: 3, smoothing: 0.015 };
+/// On four scans the first two steps take out most of the error, and no step after the sixth any.
+const FIT: FitRules = FitRules { steps: 6, rough: 3, boost_from: 3, smoothing: 0.015 };
 
 /// Where the model lies; the work is done in a box of diagonal 1 around 0.
 #[derive(Debug, Clone, Copy)]

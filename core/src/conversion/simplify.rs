@@ -1,13 +1,14 @@
 //! Simplification to a base mesh: edge collapses in the order of their quadric error, each flattened and recorded.
 //!
 //! Garland & Heckbert 1997 with plane, boundary and point quadrics; link condition after Dey et al. 1999. Cost grows
-//! with slivers and with valences away from six. An edge that cannot be collapsed is passed over and tried again when
+//! with slivers, with valences away from six, and with what the new vertex would stand for by the density. An edge that cannot be collapsed is passed over and tried again when
 //! its neighbourhood has changed; when nothing is left to try, the demands are lowered ([`LADDER`]).
 //!
 //! Guarantees: genus, components and boundary loops stay; the mesh stays simplicial; the same input gives the same
 //! base mesh. Non-guarantees: the number of faces asked for, where topology or flattening does not allow it.
 
 use super::collapse::{Attempt, CollapseRules, Collapser};
+use super::density::Density;
 use super::parameterise::Parameterisation;
 use super::quadric::Quadric;
 use super::working_mesh::WorkingMesh;
@@ -16,10 +17,34 @@ use std::collections::BinaryHeap;
 
 /// Demands, strictest first: used one after another while faces remain to be removed.
 const LADDER: [CollapseRules; 4] = [
-    CollapseRules { valences: (4, 8), least_sine: 0.08, least_quality: 0.25, least_cosine: 0.3 },
-    CollapseRules { valences: (4, 9), least_sine: 0.04, least_quality: 0.1, least_cosine: 0.0 },
-    CollapseRules { valences: (3, 11), least_sine: 0.01, least_quality: 0.02, least_cosine: -0.5 },
-    CollapseRules { valences: (3, 24), least_sine: 1e-4, least_quality: 0.0, least_cosine: -1.0 },
+    CollapseRules {
+        valences: (4, 8),
+        least_on_boundary: 3,
+        least_sine: 0.08,
+        least_quality: 0.25,
+        least_cosine: 0.3,
+    },
+    CollapseRules {
+        valences: (4, 9),
+        least_on_boundary: 3,
+        least_sine: 0.04,
+        least_quality: 0.1,
+        least_cosine: 0.0,
+    },
+    CollapseRules {
+        valences: (3, 11),
+        least_on_boundary: 3,
+        least_sine: 0.01,
+        least_quality: 0.02,
+        least_cosine: -0.5,
+    },
+    CollapseRules {
+        valences: (3, 24),
+        least_on_boundary: 2,
+        least_sine: 1e-4,
+        least_quality: 0.0,
+        least_cosine: -1.0,
+    },
 ];
 
 /// Weight of the planes that hold the boundary, against those of the faces.
@@ -27,6 +52,9 @@ const BOUNDARY_WEIGHT: f64 = 10.0;
 /// Weight of the squared distance from the vertices gone by, against that of the planes: in flat regions it orders
 /// the collapses and keeps the faces even.
 const POINT_WEIGHT: f64 = 5e-4;
+/// Weight of the growth of squared error at the finest level, by the density, against the squared distance now. Within
+/// a factor of ten the result is the same on four scans.
+const DENSITY_WEIGHT: f64 = 1e-6;
 /// Attempts between two calls of the progress function.
 const STRIDE: usize = 512;
 
@@ -71,10 +99,14 @@ pub(super) fn simplify(
     mesh: &mut WorkingMesh,
     map: &mut Parameterisation,
     target: usize,
+    density: &Density,
     progress: &dyn Fn(f32) -> bool,
 ) -> Result<(), Cancelled> {
     let start = mesh.live_count();
     let mut quadrics = quadrics(mesh);
+    // The part of the surface each vertex stands for, by the density; a vertex of the result stands for 1.
+    let share = 2.0 / target as f64 * density.area();
+    let mut masses: Vec<f64> = density.at.iter().zip(&density.areas).map(|(d, a)| d * a / share).collect();
     let mut stamps = vec![0u32; mesh.positions.len()];
     let mut collapser = Collapser::default();
     let mut neighbours = Vec::new();
@@ -84,7 +116,11 @@ pub(super) fn simplify(
         let mut edges = live_edges(mesh);
         loop {
             for &ends in &edges {
-                if let Some(cost) = collapser.cost(mesh, &quadrics, ends, rules) {
+                if let Some((cost, shape)) = collapser.cost(mesh, &quadrics, ends, rules) {
+                    let [m, n] = ends.map(|v| masses[v as usize]);
+                    // By so much the cubes grow (see `density`).
+                    let crowding = 3.0 * m * n * (m + n);
+                    let cost = (cost + DENSITY_WEIGHT * crowding) * shape;
                     queue.push(Candidate { cost, ends, stamps: ends.map(|v| stamps[v as usize]) });
                 }
             }
@@ -108,6 +144,7 @@ pub(super) fn simplify(
                 continue;
             };
             quadrics[kept as usize] = quadrics[kept as usize].plus(&quadrics[gone as usize]);
+            masses[kept as usize] += masses[gone as usize];
             stamps[kept as usize] += 1;
             stamps[gone as usize] += 1;
             mesh.neighbours(kept, &mut neighbours);

@@ -9,7 +9,8 @@ pub(crate) fn simplified(mesh: &TriangleMesh, target: usize) -> (Parameterisatio
     let positions = mesh.positions.iter().map(|&p| DVec3::from(p)).collect();
     let mut working = WorkingMesh::new(positions, &connectivity);
     let mut map = Parameterisation::new(mesh.faces.len() as u32);
-    simplify(&mut working, &mut map, target, &|_| true).expect("not cancelled");
+    let density = Density::new(mesh, &connectivity, 64.0 * target as f64);
+    simplify(&mut working, &mut map, target, &density, &|_| true).expect("not cancelled");
     (map, working)
 }
 
@@ -40,5 +41,6 @@ fn it_can_be_stopped() {
     let positions = mesh.positions.iter().map(|&p| DVec3::from(p)).collect();
     let mut working = WorkingMesh::new(positions, &connectivity);
     let mut map = Parameterisation::new(mesh.faces.len() as u32);
-    assert_eq!(simplify(&mut working, &mut map, 8, &|done| done < 0.5), Err(Cancelled));
+    let density = Density::new(&mesh, &connectivity, 64.0);
+    assert_eq!(simplify(&mut working, &mut map, 8, &density, &|done| done < 0.5), Err(Cancelled));
 }
