@@ -12,19 +12,20 @@
 
 use std::cell::Cell;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::bounding_volumes::BoundingVolumes;
+use super::bounding_volumes::{Abandoned, BoundingVolumes};
 use super::sampling::AreaSampler;
 use super::triangle_mesh::TriangleMesh;
 
 /// Points measured one after another by one thread; each query starts from the answer before it.
 const CHUNK: usize = 1024;
-/// Chunks handed out between two calls of the progress function: some 0.1 s of work.
-const CHUNKS_PER_STEP: usize = 64;
+/// Chunks handed out between two calls of the progress function: some hundredths of a second of work.
+const CHUNKS_PER_STEP: usize = 16;
 
 /// Distances up to this fraction of the largest coordinate are rounding and count as 0, so that a surface
 /// compared with itself is at distance 0. Without it seven scans and models of 6 k to 100 k faces are at up
@@ -100,7 +101,7 @@ pub enum CompareError {
 
 /// Measures the distance between two surfaces both ways.
 ///
-/// `progress` is called from the calling thread, with a fraction from 0 to 1, some ten times a second;
+/// `progress` is called from the calling thread, with a fraction from 0 to 1, some dozens of times a second;
 /// when it returns `false` the comparison ends with [`CompareError::Cancelled`].
 /// Cost: O((samples + vertices) log faces), spread over rayon's current pool.
 ///
@@ -129,7 +130,7 @@ pub fn compare(
         progress,
     };
     meter.advance(0)?;
-    let (tree_a, tree_b) = rayon::join(|| BoundingVolumes::build(a), || BoundingVolumes::build(b));
+    let (tree_a, tree_b) = build_both(a, b, &|| progress(0.0)).map_err(|_| CompareError::Cancelled)?;
     let tree_a = tree_a.ok_or(CompareError::FirstEmpty)?;
     let tree_b = tree_b.ok_or(CompareError::SecondEmpty)?;
     let a_to_b = meter.one_way(a, &tree_b, options.seed)?;
@@ -138,6 +139,26 @@ pub fn compare(
     let rms = a_to_b.rms.max(b_to_a.rms);
     let psnr = (rms > 0.0).then(|| -20.0 * rms.log10());
     Ok(Comparison { a_to_b, b_to_a, rms, max: a_to_b.max.max(b_to_a.max), psnr, diagonal })
+}
+
+/// The trees of two meshes side by side. Only the first asks whether to go on, and stops the other.
+fn build_both(
+    a: &TriangleMesh,
+    b: &TriangleMesh,
+    go_on: &dyn Fn() -> bool,
+) -> Result<(Option<BoundingVolumes>, Option<BoundingVolumes>), Abandoned> {
+    let stopped = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let second =
+            scope.spawn(|| BoundingVolumes::build_while(b, &mut || !stopped.load(Ordering::Relaxed)));
+        let first = BoundingVolumes::build_while(a, &mut || {
+            let on = go_on();
+            stopped.store(!on, Ordering::Relaxed);
+            on
+        });
+        let second = second.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        Ok((first?, second?))
+    })
 }
 
 /// The vertices that faces use, ascending.
