@@ -265,8 +265,8 @@ impl Editor {
     fn import(&mut self, ctx: &egui::Context, path: PathBuf, options: ImportOptions) {
         self.work =
             Some(Work::opening(ctx.clone(), format!("Importing {}", shown_name(&path)), move |share| {
-                let Imported { model, cleaned: mut notes, .. } =
-                    opening::import_file(&path, &options, &|done| share.report(done))
+                let (_, Imported { model, cleaned: mut notes, .. }) =
+                    opening::import_file(&path, &options, &|stage, done| share.report(stage.share(done)))
                         .map_err(|e| format!("{e:#}"))?;
                 if model.surface.finest() == Level::BASE {
                     notes.push("This mesh has no subdivision connectivity, so it has one level only".into());

@@ -1,9 +1,9 @@
 //! The status bar: what the mouse does now, the counts, work under way.
 
 use super::Seen;
-use super::inspector::grouped;
 use crate::editor::command::Command;
 use crate::editor::theme;
+use crate::figures::grouped;
 
 /// Draws the bar.
 pub(crate) fn status(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
