@@ -143,7 +143,9 @@ impl Picture<'_> {
             }
             for (key, axis) in [(Key::X, Axis::X), (Key::Y, Axis::Y), (Key::Z, Axis::Z)] {
                 if input.key_pressed(key) && input.modifiers.is_none() {
-                    events.push(HandleEvent::Constrain(axis));
+                    // The model's axes, however it stands.
+                    let turned = |d: &Document| d.vertices().frame().turn(axis.direction());
+                    events.extend(self.document.map(|d| HandleEvent::Constrain(axis, turned(d))));
                 }
             }
             // Keys pressed or let go move the drag even while the hand rests.

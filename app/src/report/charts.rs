@@ -37,7 +37,10 @@ pub(super) fn histogram(angles: &Angles) -> String {
                 at if at == angles.counts.len() => "end",
                 _ => "middle",
             };
-            format!("<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{degrees}°</text>\n", height + 18.0)
+            format!(
+                "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{degrees}°</text>\n",
+                height + 18.0
+            )
         })
         .collect();
     format!(

@@ -45,7 +45,9 @@ mod tests {
         let name = "<script>alert(\"a\" + 'b')</script>&amp;\u{202e}lmth.\u{0}x\n";
         let shown = Text(name).to_string();
         assert!(!shown.contains(['<', '>', '"', '\'', '\u{202e}', '\u{0}', '\n']), "{shown}");
-        assert!(shown.starts_with("&lt;script&gt;alert(&quot;a&quot; + &#39;b&#39;)&lt;/script&gt;&amp;amp;"));
+        assert!(
+            shown.starts_with("&lt;script&gt;alert(&quot;a&quot; + &#39;b&#39;)&lt;/script&gt;&amp;amp;")
+        );
         assert_eq!(Text("Kopf – scan 3.obj").to_string(), "Kopf – scan 3.obj");
     }
 }

@@ -21,15 +21,9 @@ pub(super) fn page(report: &Report<'_>) -> String {
         report.head(),
         report.pictures(),
         section("Distance between mesh and surface", &report.distances()),
-        section("Shape", &report.shape()),
-        section("Triangles", &report.triangles()),
-        section("Base mesh", &report.valences()),
-        section("Repairs", &report.repairs()),
-        format!(
-            "<div class=\"columns\">\n{}{}</div>\n",
-            section("Settings", &report.settings()),
-            section("Time", &report.times())
-        ),
+        columns(section("Triangles", &report.triangles()), section("Base mesh", &report.valences())),
+        columns(section("Shape", &report.shape()), section("Repairs", &report.repairs())),
+        columns(section("Settings", &report.settings()), section("Time", &report.times())),
         section("Files", &report.files()),
     ];
     format!(
@@ -45,6 +39,11 @@ pub(super) fn page(report: &Report<'_>) -> String {
 
 fn section(title: &str, content: &str) -> String {
     format!("<section>\n<h2>{title}</h2>\n{content}</section>\n")
+}
+
+/// Two sections side by side where there is room.
+fn columns(left: String, right: String) -> String {
+    format!("<div class=\"columns\">\n{left}{right}</div>\n")
 }
 
 impl Report<'_> {
@@ -113,7 +112,8 @@ impl Report<'_> {
             grouped(u64::from(hierarchy.layout(hierarchy.finest()).len())),
             grouped(hierarchy.face_count(hierarchy.finest()))
         );
-        let base = format!("{} faces: level 0, with its edges.", grouped(hierarchy.base().faces().len() as u64));
+        let base =
+            format!("{} faces: level 0, with its edges.", grouped(hierarchy.base().faces().len() as u64));
         let bar = colour_bar(&drawn.scale, self.comparison.diagonal, self.unit());
         format!(
             "<div class=\"pictures\">\n{}{}{}{}</div>\n",
@@ -129,7 +129,9 @@ impl Report<'_> {
         let row = |name: &str, way: OneWay| {
             let cells: String = [way.mean, way.rms, way.max]
                 .iter()
-                .map(|&d| format!("<td>{}</td><td>{}</td>", percent(d), Text(&length(d * diagonal, self.unit()))))
+                .map(|&d| {
+                    format!("<td>{}</td><td>{}</td>", percent(d), Text(&length(d * diagonal, self.unit())))
+                })
                 .collect();
             format!("<tr><th scope=\"row\">{name}</th>{cells}</tr>\n")
         };
@@ -200,12 +202,8 @@ impl Report<'_> {
         if self.imported.cleaned.is_empty() {
             return "<p>Nothing had to be repaired.</p>\n".to_owned();
         }
-        let items: String = self
-            .imported
-            .cleaned
-            .iter()
-            .map(|sentence| format!("<li>{}</li>\n", Text(sentence)))
-            .collect();
+        let items: String =
+            self.imported.cleaned.iter().map(|sentence| format!("<li>{}</li>\n", Text(sentence))).collect();
         format!("<ul>\n{items}</ul>\n")
     }
 

@@ -90,8 +90,7 @@ fn mesh_as_read(
     let frame = Frame::of(&surface.form().placement);
     let positions: Vec<[f32; 3]> =
         source.mesh.positions.iter().map(|&p| frame.place_model(p).as_vec3().to_array()).collect();
-    let scene =
-        Scene { positions: &positions, triangles: &source.mesh.faces, style, ..Scene::default() };
+    let scene = Scene { positions: &positions, triangles: &source.mesh.faces, style, ..Scene::default() };
     data_address(&render_png(gpu, &scene, camera, SIZE, Samples::Four)?)
 }
 

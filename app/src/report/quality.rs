@@ -68,7 +68,10 @@ impl Valences {
             regular += usize::from(base.is_regular(vertex));
         }
         Self {
-            rows: counts.into_iter().map(|(valence, (inside, boundary))| (valence, inside, boundary)).collect(),
+            rows: counts
+                .into_iter()
+                .map(|(valence, (inside, boundary))| (valence, inside, boundary))
+                .collect(),
             regular: regular as f64 / f64::from(base.vertex_count().max(1)),
         }
     }
