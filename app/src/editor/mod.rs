@@ -160,7 +160,10 @@ impl Editor {
         let seen = Seen {
             document: self.document.as_ref(),
             settings: &self.settings,
-            hint: self.tool.hint(),
+            hint: match &self.preview {
+                Some(preview) => preview.hint(),
+                None => self.tool.hint(),
+            },
             work: self.work.as_ref(),
             dialog: self.dialog.as_ref(),
             preview: self.preview.as_ref(),

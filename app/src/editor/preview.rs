@@ -96,6 +96,11 @@ impl Preview {
         self.scale
     }
 
+    /// What the mouse does now.
+    pub(super) fn hint(&self) -> String {
+        format!("{}: not opened yet · drag: orbit · right drag: pan · wheel: zoom", self.choices.name())
+    }
+
     /// The colours of the shown vertices, if they are painted.
     pub(super) fn painted(&self) -> Option<&[[u8; 4]]> {
         (self.view == PreviewView::Error).then_some(&self.tints)

@@ -187,7 +187,7 @@ fn automatic<T: Copy>(
         }
         if let Some(value) = value {
             let field = edit(ui, value);
-            field.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, name));
+            field.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, format!("chosen {name}")));
         }
     });
     ui.end_row();

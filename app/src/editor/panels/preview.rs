@@ -34,11 +34,10 @@ pub(crate) fn preview(ui: &mut Ui, preview: &Preview) -> Vec<Command> {
     facts(ui, preview.facts());
     ui.separator();
     ui.add_space(8.0);
-    let width = egui::vec2(ui.available_width(), 30.0);
-    if ui.add(egui::Button::new("Import").fill(theme::ACCENT).min_size(width)).clicked() {
-        commands.push(Command::CommitImport);
-    }
-    ui.horizontal(|ui| {
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        if ui.add(egui::Button::new("Import").fill(theme::ACCENT)).clicked() {
+            commands.push(Command::CommitImport);
+        }
         if ui.button("Change").on_hover_text("Back to the choices").clicked() {
             commands.push(Command::ChangeImport);
         }
@@ -73,7 +72,7 @@ fn facts(ui: &mut Ui, facts: &Facts) {
 
 /// The colours and what they stand for.
 fn legend(ui: &mut Ui, preview: &Preview) {
-    let width = ui.available_width() - 8.0;
+    let width = ui.available_width();
     let (rect, response) = ui.allocate_exact_size(egui::vec2(width, 10.0), egui::Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Colours of the error"));
     let mut mesh = egui::Mesh::default();
@@ -93,10 +92,6 @@ fn legend(ui: &mut Ui, preview: &Preview) {
     ui.painter().add(mesh);
     let (diagonal, unit) = &preview.facts().diagonal;
     let end = preview.scale().end();
-    ui.horizontal(|ui| {
-        ui.small("0");
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
-            ui.small(format!("{} ({}) and more", percent(end), length(end * diagonal, unit)));
-        });
-    });
+    let says = format!("from 0 to {} ({}) and more", percent(end), length(end * diagonal, unit));
+    ui.small(egui::RichText::new(says).color(theme::FAINT));
 }
