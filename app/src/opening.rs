@@ -5,7 +5,7 @@ mod stages;
 pub(crate) use stages::Stage;
 
 use anyhow::{Result, anyhow, bail};
-use bozzetto_core::conversion::{ConversionOptions, Converted, convert_with_progress};
+use bozzetto_core::conversion::{ConversionOptions, Converted, Remesh, convert_with_progress};
 use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::file::{Metadata, Model, source_by_public_id};
 use bozzetto_core::hierarchy::Slot;
@@ -14,6 +14,7 @@ use bozzetto_core::mesh::{Comparison, TriangleMesh, distances_to};
 use bozzetto_core::surface::{FormOptions, Surface};
 use sha2::{Digest, Sha256};
 use stages::Clock;
+use std::cell::Cell;
 use std::path::Path;
 
 /// Whether a path names a wavelet file.
@@ -111,6 +112,9 @@ pub(crate) fn import(
 ) -> Result<Imported> {
     let named = |sentence: String| anyhow!("{}: {sentence}", source.name);
     let clock = Clock::new(progress);
+    if options.conversion.remesh != Remesh::Always && !clock.report(Stage::Detect, 0.0) {
+        return Err(named("importing it was cancelled".to_owned()));
+    }
     let by_phase = |phase, done: f32| clock.report(Stage::Convert(phase), done);
     let converted = convert_with_progress(&source.mesh, &options.conversion, &by_phase)
         .map_err(|e| named(e.to_string()))?;
@@ -130,6 +134,26 @@ pub(crate) fn import(
         return Err(named("importing it was cancelled".to_owned()));
     }
     Ok(Imported { model, kept: measured.is_none(), cleaned, measured, distance, seconds: clock.seconds() })
+}
+
+/// Imports a mesh as [`import`] does, but only if it need not be converted; `None` if it has to be.
+///
+/// # Errors
+/// It is not a surface, or `progress` asked to stop.
+pub(crate) fn import_if_kept(
+    source: &MeshSource,
+    options: &ImportOptions,
+    progress: &dyn Fn(Stage, f32) -> bool,
+) -> Result<Option<Imported>> {
+    let converts = Cell::new(false);
+    let until_converting = |stage: Stage, done: f32| {
+        converts.set(converts.get() || matches!(stage, Stage::Convert(_)));
+        !converts.get() && progress(stage, done)
+    };
+    match import(source, options, &until_converting) {
+        Err(_) if converts.get() => Ok(None),
+        other => other.map(Some),
+    }
 }
 
 /// The distance of every vertex of the finest level to the mesh, over the mesh's bounding-box diagonal, by slot.

@@ -150,7 +150,7 @@ fn a_mesh_is_looked_at_before_it_is_opened() {
     };
     assert!(row("topology").contains("genus 0, 0 boundary loops"), "{}", row("topology"));
     assert!(row("mesh").contains("259 vertices, 514 faces"), "{}", row("mesh"));
-    assert!(row("error, rms").contains('%') && row("error, most").contains('%'));
+    assert!(row("rms error").contains('%') && row("greatest error").contains('%'));
     assert_eq!(hash(&window), original, "the open surface stays while another is looked at");
 
     for (label, view, level) in [
@@ -297,7 +297,7 @@ fn remeshing_makes_a_new_surface_and_leaves_the_old_files() {
     let session = &window.state().document().expect("open").session;
     assert!(session.path().is_none() && session.history_len() == 0);
     assert!(session.model().source.is_none(), "converted, although the surface has subdivision connectivity");
-    assert_eq!(session.metadata().source.as_deref(), Some("open.boz"));
+    assert_eq!(session.metadata().source.as_deref(), Some("open.boz, remeshed"));
     assert!(contents(folder.path()) == before, "the old pair is as it was");
 }
 

@@ -355,9 +355,7 @@ impl Editor {
         self.work = None;
         match outcome {
             Outcome::Opened(session, notes) => self.show(*session, notes),
-            Outcome::Read { path, source, remesh, found } => {
-                self.ask_how_to_import(path, source, remesh, found);
-            }
+            Outcome::Read { path, source } => self.ask_how_to_import(path, source),
             Outcome::Converted(converted) => self.show_preview(*converted),
             Outcome::Failed(sentence) => {
                 self.back_to_choices();

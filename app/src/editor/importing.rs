@@ -10,8 +10,6 @@ use crate::opening::{self, ImportOptions, Imported, MeshSource, Stage};
 use bozzetto_core::conversion::Remesh;
 use bozzetto_core::disk::Disk;
 use bozzetto_core::file::Metadata;
-use bozzetto_core::hierarchy::FINEST_LEVEL;
-use bozzetto_core::hierarchy::detection::detect;
 use bozzetto_core::session::Session;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -32,16 +30,11 @@ impl Editor {
     }
 
     /// Asks how to convert a mesh that was read.
-    pub(super) fn ask_how_to_import(
-        &mut self,
-        path: PathBuf,
-        source: Arc<MeshSource>,
-        remesh: Remesh,
-        found: String,
-    ) {
+    pub(super) fn ask_how_to_import(&mut self, path: PathBuf, source: Arc<MeshSource>) {
         let path_text = path.to_string_lossy().into_owned();
         self.read = Some(ReadMesh { path, source });
-        let choices = ImportChoices { remesh, found, ..ImportChoices::file(path_text) };
+        let found = "It has no subdivision connectivity, so it will be converted.".to_owned();
+        let choices = ImportChoices { found, ..ImportChoices::file(path_text) };
         self.dialog = Some(Dialog::Import(Box::new(choices)));
     }
 
@@ -68,8 +61,14 @@ impl Editor {
                 }
             }
         };
+        let stages = match from {
+            Origin::File(_) => &Stage::ALL[..],
+            Origin::Mesh(_) if options.conversion.remesh == Remesh::Always => Stage::CONVERTING,
+            Origin::Mesh(_) => Stage::OF_A_MESH,
+        };
         self.choosing = Some(choices);
-        self.work = Some(Work::converting(ctx.clone(), title, move |share| converted(from, &options, share)));
+        self.work =
+            Some(Work::converting(ctx.clone(), title, stages, move |share| converted(from, &options, share)));
     }
 
     /// Shows what the conversion came to, before it is opened.
@@ -141,7 +140,7 @@ enum Origin {
 /// The finest level of the open surface, to convert it again.
 fn mesh_of(document: &super::Document, name: &str) -> MeshSource {
     let surface = document.surface();
-    let metadata = Metadata { source: Some(name.to_owned()), source_sha256: None };
+    let metadata = Metadata { source: Some(format!("{name}, remeshed")), source_sha256: None };
     MeshSource { name: name.to_owned(), metadata, mesh: surface.to_mesh(surface.finest()) }
 }
 
@@ -149,26 +148,19 @@ fn mesh_of(document: &super::Document, name: &str) -> MeshSource {
 fn read_and_look(path: &Path, share: &Share) -> Result<Outcome, String> {
     let progress = |stage: Stage, done: f32| share.report_stage(stage, done);
     let source = MeshSource::read(path, &progress).map_err(|e| format!("{e:#}"))?;
-    let found = detect(source.mesh.positions.len() as u32, &source.mesh.faces, FINEST_LEVEL);
-    let (remesh, found) = match found {
-        Ok(Some(_)) => {
-            let imported = opening::import(&source, &ImportOptions::default(), &progress)
-                .map_err(|e| format!("{e:#}"))?;
-            let levels = imported.model.surface.finest();
-            let base = imported.model.surface.hierarchy().base().faces().len();
-            let mut notes = vec![format!(
-                "This mesh has subdivision connectivity: {levels} levels over {base} base faces. Its vertices were \
-                 kept, nothing was converted."
-            )];
-            notes.extend(imported.cleaned);
-            return Ok(Outcome::Opened(Box::new(Session::new(Arc::new(Disk), imported.model)), notes));
-        }
-        Ok(None) => (Remesh::Auto, "It has no subdivision connectivity, so it will be converted.".to_owned()),
-        Err(why) => {
-            (Remesh::Always, format!("It is no manifold ({why}), so it will be repaired and converted."))
-        }
+    let kept = opening::import_if_kept(&source, &ImportOptions::default(), &progress);
+    let Some(imported) = kept.map_err(|e| format!("{e:#}"))? else {
+        return Ok(Outcome::Read { path: path.to_owned(), source: Arc::new(source) });
     };
-    Ok(Outcome::Read { path: path.to_owned(), source: Arc::new(source), remesh, found })
+    let surface = &imported.model.surface;
+    let mut notes = vec![format!(
+        "This mesh has subdivision connectivity: {} levels over {} base faces. Its vertices were kept, nothing was \
+         converted.",
+        surface.finest(),
+        surface.hierarchy().base().faces().len()
+    )];
+    notes.extend(imported.cleaned);
+    Ok(Outcome::Opened(Box::new(Session::new(Arc::new(Disk), imported.model)), notes))
 }
 
 fn converted(from: Origin, options: &ImportOptions, share: &Share) -> Result<Converted, String> {

@@ -267,10 +267,11 @@ impl Editor {
     }
 
     fn update_title(&mut self, ctx: &egui::Context) {
-        let title = match &self.document {
-            Some(document) => format!("{} – Bozzetto", document.name()),
-            None if self.work.is_some() => return,
-            None => "Bozzetto".to_owned(),
+        let title = match (&self.preview, &self.document) {
+            (Some(preview), _) => format!("Preview of {} – Bozzetto", preview.name()),
+            (None, Some(document)) => format!("{} – Bozzetto", document.name()),
+            (None, None) if self.work.is_some() => return,
+            (None, None) => "Bozzetto".to_owned(),
         };
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));

@@ -96,6 +96,11 @@ impl Preview {
         self.scale
     }
 
+    /// What it is made from.
+    pub fn name(&self) -> String {
+        self.choices.name()
+    }
+
     /// What the mouse does now.
     pub(super) fn hint(&self) -> String {
         format!("{}: not opened yet · drag: orbit · right drag: pan · wheel: zoom", self.choices.name())
@@ -170,8 +175,8 @@ impl Facts {
                     counted(base.boundary_loops(), "boundary loop", "boundary loops")
                 ),
             ),
-            ("error, rms", of_diagonal(rms)),
-            ("error, most", of_diagonal(max)),
+            ("rms error", of_diagonal(rms)),
+            ("greatest error", of_diagonal(max)),
         ];
         Self {
             rows,

@@ -1,7 +1,6 @@
 //! Long work away from the window: with progress, Cancel, and panics contained.
 
 use crate::opening::{MeshSource, Stage};
-use bozzetto_core::conversion::Remesh;
 use bozzetto_core::session::Session;
 use bozzetto_core::surface::Changes;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -63,16 +62,12 @@ pub(super) struct Converted {
 pub(super) enum Outcome {
     /// A surface was opened, with what its user should know.
     Opened(Box<Session>, Vec<String>),
-    /// A mesh was read that has to be converted: why, and how.
+    /// A mesh was read that has to be converted.
     Read {
         /// The file.
         path: PathBuf,
         /// The mesh.
         source: Arc<MeshSource>,
-        /// What to do with it.
-        remesh: Remesh,
-        /// What reading it has shown, in a sentence.
-        found: String,
     },
     /// A mesh was converted.
     Converted(Box<Converted>),
@@ -100,8 +95,8 @@ pub(super) struct Work {
     outcome: Receiver<Outcome>,
     /// Whether it holds the session; then Cancel has to wait for it.
     pub holds_session: bool,
-    /// Whether it is a conversion, which shows its stages.
-    pub converts: bool,
+    /// The stages that it shows, if it is a conversion; otherwise none.
+    pub stages: &'static [Stage],
 }
 
 impl Work {
@@ -118,14 +113,15 @@ impl Work {
         })
     }
 
-    /// Starts a conversion.
+    /// Starts a conversion that goes through these stages.
     pub(super) fn converting(
         wake: egui::Context,
         title: String,
+        stages: &'static [Stage],
         work: impl FnOnce(&Share) -> Result<Converted, String> + Send + 'static,
     ) -> Self {
         let outcome = |share: &Share| work(share).map(|converted| Outcome::Converted(Box::new(converted)));
-        Self { converts: true, ..Self::opening(wake, title, outcome) }
+        Self { stages, ..Self::opening(wake, title, outcome) }
     }
 
     /// Starts work on a session, which comes back whatever happens.
@@ -157,12 +153,17 @@ impl Work {
             let _ = sender.send(outcome);
             wake.request_repaint();
         });
-        Self { title, share, outcome, holds_session, converts: false }
+        Self { title, share, outcome, holds_session, stages: &[] }
     }
 
     /// How far it is, from 0 to 1.
     pub(super) fn done(&self) -> f32 {
         self.share.done()
+    }
+
+    /// Whether it is a conversion.
+    pub(super) fn converts(&self) -> bool {
+        !self.stages.is_empty()
     }
 
     /// The stage of a conversion.

@@ -9,6 +9,8 @@ use std::time::Instant;
 pub(crate) enum Stage {
     /// Reading the file.
     Read,
+    /// Looking for subdivision connectivity.
+    Detect,
     /// Converting, by the conversion's own phases.
     Convert(Phase),
     /// Making wavelets of the positions.
@@ -19,8 +21,9 @@ pub(crate) enum Stage {
 
 impl Stage {
     /// All stages in their order, for people who wait.
-    pub(crate) const ALL: [Stage; 9] = [
+    pub(crate) const ALL: [Stage; 10] = [
         Stage::Read,
+        Stage::Detect,
         Stage::Convert(Phase::Clean),
         Stage::Convert(Phase::Simplify),
         Stage::Convert(Phase::Resample),
@@ -31,10 +34,17 @@ impl Stage {
         Stage::Map,
     ];
 
+    /// The stages for a mesh that is at hand.
+    pub(crate) const OF_A_MESH: &[Stage] = Self::ALL.split_at(1).1;
+
+    /// The stages for a mesh that is at hand and converted in any case.
+    pub(crate) const CONVERTING: &[Stage] = Self::ALL.split_at(2).1;
+
     /// What it is, for people.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Stage::Read => "Read the file",
+            Stage::Detect => "Look for subdivision connectivity",
             Stage::Convert(Phase::Clean) => "Repair the mesh",
             Stage::Convert(Phase::Simplify) => "Simplify it to a base mesh",
             Stage::Convert(Phase::Resample) => "Place the vertices",
@@ -50,7 +60,8 @@ impl Stage {
     fn span(self) -> [f32; 2] {
         match self {
             Stage::Read => [0.0, 0.05],
-            Stage::Convert(Phase::Clean) => [0.05, 0.08],
+            Stage::Detect => [0.05, 0.06],
+            Stage::Convert(Phase::Clean) => [0.06, 0.08],
             Stage::Convert(Phase::Simplify) => [0.08, 0.16],
             Stage::Convert(Phase::Resample) => [0.16, 0.19],
             Stage::Convert(Phase::Relax) => [0.19, 0.26],

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Draws the open dialog, if there is one.
 pub(crate) fn dialogs(ctx: &egui::Context, seen: &Seen<'_>) -> Vec<Command> {
     let mut commands = Vec::new();
-    if let Some(work) = seen.work.filter(|work| work.converts) {
+    if let Some(work) = seen.work.filter(|work| work.converts()) {
         egui::Modal::new(egui::Id::unique("conversion")).show(ctx, |ui| {
             ui.set_width(300.0);
             import::progress(ui, work, &mut commands);
@@ -29,6 +29,9 @@ pub(crate) fn dialogs(ctx: &egui::Context, seen: &Seen<'_>) -> Vec<Command> {
     });
     if shown.should_close() {
         commands.push(Command::CloseDialog);
+        if matches!(dialog, Dialog::Import(_)) {
+            commands.push(Command::CancelImport);
+        }
     }
     commands
 }

@@ -6,7 +6,6 @@ use crate::editor::command::Command;
 use crate::editor::dialog::Dialog;
 use crate::editor::theme;
 use crate::editor::worker::Work;
-use crate::opening::Stage;
 use bozzetto_core::conversion::Remesh;
 use bozzetto_core::surface::{PRECISIONS, UpAxis};
 use bozzetto_core::wavelet::Wavelet;
@@ -198,8 +197,8 @@ pub(super) fn progress(ui: &mut Ui, work: &Work, commands: &mut Vec<Command>) {
     ui.heading(&work.title);
     ui.add_space(8.0);
     let stage = work.stage();
-    let current = Stage::ALL.iter().position(|&s| s == stage).unwrap_or(0);
-    for (at, stage) in Stage::ALL.into_iter().enumerate() {
+    let current = work.stages.iter().position(|&s| s == stage).unwrap_or(0);
+    for (at, stage) in work.stages.iter().enumerate() {
         ui.horizontal(|ui| {
             let (icon, colour) = match at.cmp(&current) {
                 std::cmp::Ordering::Less => (Icon::Check, theme::FAINT),

@@ -34,7 +34,7 @@ pub(crate) fn preview(ui: &mut Ui, preview: &Preview) -> Vec<Command> {
     facts(ui, preview.facts());
     ui.separator();
     ui.add_space(8.0);
-    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+    ui.horizontal(|ui| {
         if ui.add(egui::Button::new("Import").fill(theme::ACCENT)).clicked() {
             commands.push(Command::CommitImport);
         }

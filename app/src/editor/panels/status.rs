@@ -9,7 +9,7 @@ use crate::figures::grouped;
 pub(crate) fn status(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
     let mut commands = Vec::new();
     ui.horizontal_centered(|ui| {
-        if let Some(work) = seen.work.filter(|work| !work.converts) {
+        if let Some(work) = seen.work.filter(|work| !work.converts()) {
             ui.label(&work.title);
             ui.add(egui::ProgressBar::new(work.done()).desired_width(160.0).show_percentage());
             if ui.small_button("Cancel").clicked() {
