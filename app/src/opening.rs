@@ -9,7 +9,7 @@ use bozzetto_core::conversion::{ConversionOptions, Converted, Remesh, convert_wi
 use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::file::{Metadata, Model, source_by_public_id};
 use bozzetto_core::hierarchy::Slot;
-use bozzetto_core::io::{mesh_file_bytes, read_mesh_bytes};
+use bozzetto_core::io::{mesh_file_bytes, read_mesh_bytes_while};
 use bozzetto_core::mesh::{Comparison, TriangleMesh, distances_to};
 use bozzetto_core::surface::{FormOptions, Surface};
 use sha2::{Digest, Sha256};
@@ -76,12 +76,13 @@ impl MeshSource {
                 bail!("{}: reading it was cancelled", path.display());
             }
         }
-        let mesh = read_mesh_bytes(format, &bytes, &path.display().to_string())?;
+        let name = path.display().to_string();
+        let mesh = read_mesh_bytes_while(format, &bytes, &name, &mut || progress(Stage::Read, 0.2))?;
         if !progress(Stage::Read, 1.0) {
             bail!("{}: reading it was cancelled", path.display());
         }
         let metadata = Metadata { source: file_name(path), source_sha256: Some(hex(&hash.finalize())) };
-        Ok(Self { name: path.display().to_string(), metadata, mesh })
+        Ok(Self { name, metadata, mesh })
     }
 }
 

@@ -157,6 +157,9 @@ pub enum Defect {
         /// How many are declared.
         declared: u64,
     },
+    /// The reading was given up.
+    #[error("reading it was cancelled; open it again to read it whole")]
+    Cancelled,
     /// A line or an element that does not hold what its header says.
     #[error("the element does not hold what the header declares; correct it or export the model again")]
     BadElement,

@@ -22,12 +22,14 @@ mod ply;
 mod polygon;
 mod stl;
 mod text;
+mod watch;
 
 use std::fs::File;
 use std::io::{BufWriter, Read, Write};
 use std::path::Path;
 
 use crate::mesh::TriangleMesh;
+use watch::Watch;
 
 pub use error::{Defect, MeshFileError, MeshWriteError, Place};
 
@@ -114,18 +116,35 @@ pub fn mesh_file_bytes(
 ///
 /// Cost: as [`read_mesh`].
 pub fn read_mesh_bytes(format: MeshFormat, bytes: &[u8], name: &str) -> Result<TriangleMesh, MeshFileError> {
-    let parse = match format {
-        MeshFormat::Obj => obj::parse,
-        MeshFormat::Ply => ply::parse,
-        MeshFormat::Off => off::parse,
+    read_mesh_bytes_while(format, bytes, name, &mut || true)
+}
+
+/// [`read_mesh_bytes`], asking every few thousand lines whether to go on.
+///
+/// # Errors
+/// As [`read_mesh_bytes`], or [`MeshFileError::Cancelled`] after the answer no.
+pub fn read_mesh_bytes_while(
+    format: MeshFormat,
+    bytes: &[u8],
+    name: &str,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<TriangleMesh, MeshFileError> {
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(MeshFileError::malformed(name, Place::Whole, Defect::Empty));
+    }
+    let watch = Watch::new(go_on);
+    let parsed = match format {
+        MeshFormat::Obj => obj::parse(bytes, &watch),
+        MeshFormat::Ply => ply::parse(bytes, &watch),
+        MeshFormat::Off => off::parse(bytes, &watch),
         MeshFormat::Stl | MeshFormat::Glb => {
             return Err(MeshFileError::unsupported(name, Some(format.extension())));
         }
     };
-    if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(MeshFileError::malformed(name, Place::Whole, Defect::Empty));
-    }
-    parse(bytes).map_err(|(place, defect)| MeshFileError::malformed(name, place, defect))
+    parsed.map_err(|(place, defect)| match defect {
+        Defect::Cancelled => MeshFileError::cancelled(name),
+        defect => MeshFileError::malformed(name, place, defect),
+    })
 }
 
 /// Writes a mesh in the given format. The writer is flushed, not synced.
