@@ -4,6 +4,7 @@ use super::form::FormArgs;
 use super::info::Info;
 use super::output;
 use super::progress::Progress;
+use crate::figures::tolerance;
 use crate::opening::{ImportOptions, import_file};
 use crate::report::report;
 use anyhow::{Result, bail};
@@ -89,14 +90,12 @@ struct Report {
 }
 
 impl Report {
-    /// The figures for people.
-    fn text(&self, written: &Path) -> String {
+    /// The figures for people; with the tolerance demanded, if one was.
+    fn text(&self, written: &Path, demanded: Option<f64>) -> String {
         let mut lines =
             vec![format!("distance     rms {:.2e}, max {:.2e} of the diagonal", self.rms, self.max)];
         lines.extend(self.cleaned.iter().map(|sentence| format!("cleaned      {sentence}")));
-        lines.extend(
-            self.tolerance_met.map(|met| format!("tolerance    {}", if met { "met" } else { "not met" })),
-        );
+        lines.extend(demanded.map(|demanded| format!("tolerance    {}", tolerance(self.max, demanded))));
         lines.push(format!("written      {} in {:.1} s", written.display(), self.seconds));
         self.info.text() + &lines.join("\n") + "\n"
     }
@@ -140,7 +139,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
         tolerance_met: args.tolerance.map(|tolerance| max <= tolerance),
     };
     drop(progress);
-    if args.json { output::print_json(&report) } else { output::print(&report.text(&args.output)) }
+    if args.json {
+        output::print_json(&report)
+    } else {
+        output::print(&report.text(&args.output, args.tolerance))
+    }
 }
 
 /// Refuses a report that is no HTML file or cannot be written.

@@ -79,7 +79,7 @@ impl Editor {
         }
         self.tool = Default::default();
         self.banner = None;
-        let preview = Preview::new(converted, choices, self.camera.clone());
+        let preview = Preview::new(converted, choices, self.camera);
         let size = self.picture_size();
         self.camera =
             crate::render::View::default().camera(preview.document().sphere(), size.x / size.y.max(1.0));

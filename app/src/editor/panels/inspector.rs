@@ -190,6 +190,8 @@ fn display(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands
     }
     let form = document.surface().form();
     ui.colored_label(theme::FAINT, format!("{} wavelet, {} bits", form.wavelet, form.precision));
+    let unit = if form.placement.unit.is_empty() { "unknown" } else { &form.placement.unit };
+    ui.colored_label(theme::FAINT, format!("{} up, unit {unit}", form.placement.up));
 }
 
 fn history(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command>) {
