@@ -107,23 +107,24 @@ mod tests {
             files.push((format, bytes));
         }
         for (format, bytes) in files {
-            for last in 0.. {
+            let up_to = |last: usize| {
                 let mut asked = 0;
                 let mut go_on = || {
                     asked += 1;
                     asked <= last
                 };
-                match read_mesh_bytes_while(format, &bytes, "mesh", &mut go_on) {
-                    Ok(read) => {
-                        assert_eq!(read.faces, mesh.faces, "{format:?}");
-                        assert!(last >= 8, "{format:?} asked {last} times only for 32,768 faces");
-                        break;
-                    }
-                    Err(error) => {
-                        assert!(matches!(error, MeshFileError::Cancelled { .. }), "{format:?}: {error}");
-                        assert_eq!(asked, last + 1, "{format:?} goes on after the answer no");
-                    }
-                }
+                (read_mesh_bytes_while(format, &bytes, "mesh", &mut go_on), asked)
+            };
+            let (done, all) = up_to(usize::MAX);
+            assert_eq!(done.expect("a mesh").faces, mesh.faces, "{format:?}");
+            assert!(all >= 8, "{format:?} asked {all} times only for 32,768 faces");
+            for last in 0..all {
+                let (result, asked) = up_to(last);
+                let cancelled = matches!(result, Err(MeshFileError::Cancelled { .. }));
+                assert!(
+                    cancelled && asked == last + 1,
+                    "{format:?}, the {last}th answer: {result:?}, {asked}"
+                );
             }
         }
     }
