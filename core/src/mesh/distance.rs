@@ -12,13 +12,12 @@
 
 use std::cell::Cell;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::bounding_volumes::{Abandoned, BoundingVolumes};
+use super::bounding_volumes::BoundingVolumes;
 use super::sampling::AreaSampler;
 use super::triangle_mesh::TriangleMesh;
 
@@ -130,35 +129,17 @@ pub fn compare(
         progress,
     };
     meter.advance(0)?;
-    let (tree_a, tree_b) = build_both(a, b, &|| progress(0.0)).map_err(|_| CompareError::Cancelled)?;
-    let tree_a = tree_a.ok_or(CompareError::FirstEmpty)?;
-    let tree_b = tree_b.ok_or(CompareError::SecondEmpty)?;
+    // One after the other, so that every question is asked on this thread and their number is always the same.
+    let build =
+        |mesh| BoundingVolumes::build_while(mesh, &mut || progress(0.0)).map_err(|_| CompareError::Cancelled);
+    let tree_a = build(a)?.ok_or(CompareError::FirstEmpty)?;
+    let tree_b = build(b)?.ok_or(CompareError::SecondEmpty)?;
     let a_to_b = meter.one_way(a, &tree_b, options.seed)?;
     let b_to_a = meter.one_way(b, &tree_a, options.seed.wrapping_add(1))?;
 
     let rms = a_to_b.rms.max(b_to_a.rms);
     let psnr = (rms > 0.0).then(|| -20.0 * rms.log10());
     Ok(Comparison { a_to_b, b_to_a, rms, max: a_to_b.max.max(b_to_a.max), psnr, diagonal })
-}
-
-/// The trees of two meshes side by side. Only the first asks whether to go on, and stops the other.
-fn build_both(
-    a: &TriangleMesh,
-    b: &TriangleMesh,
-    go_on: &dyn Fn() -> bool,
-) -> Result<(Option<BoundingVolumes>, Option<BoundingVolumes>), Abandoned> {
-    let stopped = AtomicBool::new(false);
-    std::thread::scope(|scope| {
-        let second =
-            scope.spawn(|| BoundingVolumes::build_while(b, &mut || !stopped.load(Ordering::Relaxed)));
-        let first = BoundingVolumes::build_while(a, &mut || {
-            let on = go_on();
-            stopped.store(!on, Ordering::Relaxed);
-            on
-        });
-        let second = second.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        Ok((first?, second?))
-    })
 }
 
 /// The vertices that faces use, ascending.
