@@ -55,7 +55,7 @@ class Header:
         *self.channels, self.unit = texts
         *self.origin, self.step, self.vertices, self.faces = struct.unpack_from("<4dII", data, at)
         self.hash = data[at + 40:]
-        require(self.scheme == 0 and self.wavelet <= 3 and self.up <= 1, "unknown scheme, wavelet or axis")
+        require(self.scheme == 0 and self.wavelet <= 3 and self.up <= 2, "unknown scheme, wavelet or axis")
         require(self.levels <= 15 and 8 <= self.precision <= 25, "levels or precision out of range")
         require(self.channels == ["x", "y", "z"] and len(self.hash) == 16, "unknown channels or wrong length")
 

@@ -3,5 +3,7 @@
 pub mod cli;
 pub mod display;
 pub mod editor;
+mod figures;
 pub mod opening;
 pub mod render;
+mod report;

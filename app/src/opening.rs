@@ -1,15 +1,20 @@
 //! Opening files, for command line and editor alike.
 
-use anyhow::{Result, anyhow};
-use bozzetto_core::conversion::remesh::Phase;
-use bozzetto_core::conversion::{ConversionOptions, Converted, convert_with_progress};
+mod stages;
+
+pub(crate) use stages::Stage;
+
+use anyhow::{Result, anyhow, bail};
+use bozzetto_core::conversion::{ConversionOptions, Converted, Remesh, convert_with_progress};
 use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::file::{Metadata, Model, source_by_public_id};
 use bozzetto_core::hierarchy::Slot;
-use bozzetto_core::io::read_mesh;
-use bozzetto_core::mesh::TriangleMesh;
+use bozzetto_core::io::{mesh_file_bytes, read_mesh_bytes_while};
+use bozzetto_core::mesh::{Comparison, TriangleMesh, distances_to};
 use bozzetto_core::surface::{FormOptions, Surface};
 use sha2::{Digest, Sha256};
+use stages::Clock;
+use std::cell::Cell;
 use std::path::Path;
 
 /// Whether a path names a wavelet file.
@@ -26,65 +31,147 @@ pub struct ImportOptions {
     pub form: FormOptions,
 }
 
-/// A mesh file as a model, with what was done to the mesh on the way.
+/// A mesh to import and where it is from.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct MeshSource {
+    /// What messages call it.
+    pub(crate) name: String,
+    /// What the wavelet file will say of it.
+    pub(crate) metadata: Metadata,
+    /// The mesh.
+    pub(crate) mesh: TriangleMesh,
+}
+
+/// A mesh as a model, with what was done to the mesh on the way.
+#[derive(Debug)]
 pub(crate) struct Imported {
     /// The model.
     pub(crate) model: Model,
+    /// Whether the mesh had subdivision connectivity, or was taken as its own base mesh: it was not converted.
+    pub(crate) kept: bool,
     /// One sentence each.
     pub(crate) cleaned: Vec<String>,
-    /// Root mean square and maximum of the distance to the mesh, over the bounding-box diagonal: measured both ways
-    /// where the mesh was remeshed; with the mesh's own connectivity how far its vertices were moved to whole steps,
-    /// which bounds both ways.
+    /// The distance both ways, over the bounding-box diagonal, if the mesh was converted.
+    pub(crate) measured: Option<Comparison>,
+    /// Root mean square and maximum of the distance to the mesh, over the bounding-box diagonal: as measured, or with
+    /// the mesh's own connectivity how far its vertices were moved to whole steps, which bounds both ways.
     pub(crate) distance: [f64; 2],
+    /// How long everything took.
+    pub(crate) seconds: Vec<(Stage, f64)>,
 }
 
-/// Imports a mesh file. `progress` gets the share done and returns whether to go on.
+impl MeshSource {
+    /// Reads a mesh file. `progress` gets the stage and the share of it done and returns whether to go on.
+    ///
+    /// # Errors
+    /// The file cannot be read, or `progress` asked to stop.
+    pub(crate) fn read(path: &Path, progress: &dyn Fn(Stage, f32) -> bool) -> Result<Self> {
+        // The file counts for little beside the text in it.
+        let go_on = |done: f32| progress(Stage::Read, done * 0.2);
+        let (format, bytes) = mesh_file_bytes(path, &mut |done| go_on(done))?;
+        let mut hash = Sha256::new();
+        for part in bytes.chunks(4 << 20) {
+            hash.update(part);
+            if !go_on(1.0) {
+                bail!("{}: reading it was cancelled", path.display());
+            }
+        }
+        let name = path.display().to_string();
+        let mesh = read_mesh_bytes_while(format, &bytes, &name, &mut || progress(Stage::Read, 0.2))?;
+        if !progress(Stage::Read, 1.0) {
+            bail!("{}: reading it was cancelled", path.display());
+        }
+        let metadata = Metadata { source: file_name(path), source_sha256: Some(hex(&hash.finalize())) };
+        Ok(Self { name, metadata, mesh })
+    }
+}
+
+/// Imports a mesh file; see [`import`].
 ///
 /// # Errors
 /// The file cannot be read or is not a surface.
 pub(crate) fn import_file(
     path: &Path,
     options: &ImportOptions,
-    progress: &dyn Fn(f32) -> bool,
-) -> Result<Imported> {
-    import(path, &read_mesh(path)?, options, progress)
+    progress: &dyn Fn(Stage, f32) -> bool,
+) -> Result<(MeshSource, Imported)> {
+    let clock = Clock::new(progress);
+    let source = MeshSource::read(path, &|stage, done| clock.report(stage, done))?;
+    let mut imported = import(&source, options, &|stage, done| clock.report(stage, done))?;
+    imported.seconds = clock.seconds();
+    Ok((source, imported))
 }
 
-/// Imports a mesh that was read from a file.
+/// Imports a mesh. `progress` gets the stage and the share of it done and returns whether to go on.
 ///
 /// # Errors
-/// It is not a surface.
+/// It is not a surface, or `progress` asked to stop.
 pub(crate) fn import(
-    path: &Path,
-    mesh: &TriangleMesh,
+    source: &MeshSource,
     options: &ImportOptions,
-    progress: &dyn Fn(f32) -> bool,
+    progress: &dyn Fn(Stage, f32) -> bool,
 ) -> Result<Imported> {
-    let named = |sentence: String| anyhow!("{}: {sentence}", path.display());
-    let by_phase = |phase, done: f32| progress(share_of(phase, done));
-    let Converted { hierarchy, positions, source, cleaned, measured } =
-        convert_with_progress(mesh, &options.conversion, &by_phase).map_err(|e| named(e.to_string()))?;
+    let named = |sentence: String| anyhow!("{}: {sentence}", source.name);
+    let clock = Clock::new(progress);
+    if options.conversion.remesh != Remesh::Always && !clock.report(Stage::Detect, 0.0) {
+        return Err(named("importing it was cancelled".to_owned()));
+    }
+    let by_phase = |phase, done: f32| clock.report(Stage::Convert(phase), done);
+    let converted = convert_with_progress(&source.mesh, &options.conversion, &by_phase)
+        .map_err(|e| named(e.to_string()))?;
+    let Converted { hierarchy, positions, source: from, cleaned, measured, .. } = converted;
+    if !clock.report(Stage::Build, 0.0) {
+        return Err(named("importing it was cancelled".to_owned()));
+    }
     let surface =
         Surface::from_positions(hierarchy, &positions, &options.form).map_err(|e| named(e.to_string()))?;
-    let source = source.map(|by_slot| source_by_public_id(surface.hierarchy(), &by_slot));
+    let from = from.map(|by_slot| source_by_public_id(surface.hierarchy(), &by_slot));
     let distance = match measured {
         Some(measured) => [measured.rms, measured.max],
-        None => displacement(&surface, &positions, mesh.diagonal()),
+        None => displacement(&surface, &positions, source.mesh.diagonal()),
     };
-    Ok(Imported { model: Model::new(surface, source, metadata_of(path)), cleaned, distance })
+    let model = Model::new(surface, from, source.metadata.clone());
+    if !clock.report(Stage::Build, 1.0) {
+        return Err(named("importing it was cancelled".to_owned()));
+    }
+    Ok(Imported { model, kept: measured.is_none(), cleaned, measured, distance, seconds: clock.seconds() })
 }
 
-/// The share of a whole import that is done; fitting takes most of the time.
-fn share_of(phase: Phase, done: f32) -> f32 {
-    let (from, to) = match phase {
-        Phase::Clean => (0.0, 0.03),
-        Phase::Simplify => (0.03, 0.12),
-        Phase::Resample => (0.12, 0.15),
-        Phase::Relax => (0.15, 0.22),
-        Phase::Fit => (0.22, 0.92),
-        Phase::Measure => (0.92, 1.0),
+/// Imports a mesh as [`import`] does, but only if it need not be converted; `None` if it has to be.
+///
+/// # Errors
+/// It is not a surface, or `progress` asked to stop.
+pub(crate) fn import_if_kept(
+    source: &MeshSource,
+    options: &ImportOptions,
+    progress: &dyn Fn(Stage, f32) -> bool,
+) -> Result<Option<Imported>> {
+    let converts = Cell::new(false);
+    let until_converting = |stage: Stage, done: f32| {
+        converts.set(converts.get() || matches!(stage, Stage::Convert(_)));
+        !converts.get() && progress(stage, done)
     };
-    from + (to - from) * done.clamp(0.0, 1.0)
+    match import(source, options, &until_converting) {
+        Err(_) if converts.get() => Ok(None),
+        other => other.map(Some),
+    }
+}
+
+/// The distance of every vertex of the finest level to the mesh, over the mesh's bounding-box diagonal, by slot.
+///
+/// # Errors
+/// The mesh has no faces, or `progress` asked to stop.
+pub(crate) fn error_map(
+    surface: &Surface,
+    mesh: &TriangleMesh,
+    progress: &dyn Fn(Stage, f32) -> bool,
+) -> Result<Vec<f64>> {
+    let finest = surface.finest();
+    let placement = &surface.form().placement;
+    let positions: Vec<[f64; 3]> = surface.scaling(finest).iter().map(|&p| placement.to_model(p)).collect();
+    let diagonal = mesh.diagonal();
+    let distances = distances_to(mesh, &positions, &|done| progress(Stage::Map, done))?;
+    Ok(distances.into_iter().map(|d| d / diagonal).collect())
 }
 
 /// Root mean square and maximum of the distances between positions and the surface's own, over `diagonal`.
@@ -104,9 +191,17 @@ fn displacement(surface: &Surface, positions: &[[f64; 3]], diagonal: f64) -> [f6
 
 /// Name and hash of the file a surface is made from.
 pub(crate) fn metadata_of(path: &Path) -> Metadata {
-    let hash = |bytes: Vec<u8>| Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect::<String>();
-    Metadata {
-        source: path.file_name().map(|name| name.to_string_lossy().into_owned()),
-        source_sha256: Disk.read(path).ok().map(hash),
-    }
+    let hash = |bytes: Vec<u8>| hex(&Sha256::digest(&bytes));
+    Metadata { source: file_name(path), source_sha256: Disk.read(path).ok().map(hash) }
 }
+
+fn file_name(path: &Path) -> Option<String> {
+    path.file_name().map(|name| name.to_string_lossy().into_owned())
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests;

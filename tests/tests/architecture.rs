@@ -99,6 +99,13 @@ fn command_line_and_editor_do_not_lean_on_each_other() {
 }
 
 #[test]
+fn a_report_needs_no_window_and_no_command() {
+    assert_free_of("app/src/report", &["crate::editor", "crate::cli", "egui"]);
+    assert_free_of("app/src/opening", &["crate::editor", "crate::cli", "crate::report", "crate::render"]);
+    assert_free_of("app/src/editor", &["crate::report"]);
+}
+
+#[test]
 fn files_stay_small() {
     for folder in ["core/src", "app/src", "assets/src"] {
         for path in sources(&root().join(folder)) {

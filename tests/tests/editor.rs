@@ -1,7 +1,8 @@
 //! The editor, driven through its widgets and its picture on the software GPU.
 
-use bozzetto::editor::{Editor, FileChooser, Purpose, Start, Target};
-use bozzetto::render::{Gpu, GpuError, Samples};
+mod window;
+
+use bozzetto::editor::{Editor, Start, Target};
 use bozzetto_core::disk::Disk;
 use bozzetto_core::edit::{Edit, Kind, Move};
 use bozzetto_core::hierarchy::{Level, PublicId};
@@ -11,63 +12,9 @@ use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions};
 use glam::{DVec2, DVec3};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
-
-/// A machine without the system's file dialog.
-struct NoChooser;
-
-impl FileChooser for NoChooser {
-    fn ask(&mut self, _: Purpose, _: &egui::Context) {}
-
-    fn answer(&mut self) -> Option<Option<PathBuf>> {
-        None
-    }
-}
-
-/// Whether there is an adapter to draw with; says loudly if not.
-fn can_draw() -> bool {
-    match Gpu::headless() {
-        Ok(_) => true,
-        Err(GpuError::NoAdapter(why)) => {
-            eprintln!(
-                "\n*** NOT TESTED: no graphics adapter ({why}); apt-get install mesa-vulkan-drivers ***\n"
-            );
-            false
-        }
-        Err(other) => panic!("{other}"),
-    }
-}
-
-fn editor(start: Start) -> Harness<'static, Editor> {
-    let mut harness = Harness::builder()
-        .with_size(egui::vec2(1280.0, 800.0))
-        .with_max_steps(40)
-        .with_render_every_step(false)
-        .wgpu()
-        .build_eframe(|cc| {
-            Editor::new(cc, Samples::One, Box::new(NoChooser), start).expect("the adapter suffices")
-        });
-    settle(&mut harness);
-    harness
-}
-
-/// Runs until nothing is left to do, work away from the window included.
-fn settle(harness: &mut Harness<'_, Editor>) {
-    for _ in 0..600 {
-        harness.run_steps(2);
-        if !harness.state().is_working() {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    harness.run();
-    assert!(!harness.state().is_working(), "work did not end");
-}
-
-fn hash(harness: &Harness<'_, Editor>) -> SurfaceHash {
-    harness.state().document().expect("a surface is open").session.hash()
-}
+use window::{can_draw, editor, hash, settle};
 
 fn points(v: Vec2) -> DVec2 {
     DVec2::new(f64::from(v.x), f64::from(v.y))

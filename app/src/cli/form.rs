@@ -17,12 +17,12 @@ pub(super) struct FormArgs {
     /// Bits of precision.
     #[arg(long, default_value_t = DEFAULT_PRECISION, value_parser = clap::value_parser!(u8).range(8..=25))]
     precision: u8,
-    /// The model's up axis.
-    #[arg(long, default_value = "y")]
+    /// The model's up axis. It stands upright in pictures and in the editor; coordinates stay as they are.
+    #[arg(long, value_name = "AXIS", default_value = "y")]
     up: UpArg,
-    /// The model's unit of length, kept in the file.
-    #[arg(long, default_value = "")]
-    unit: String,
+    /// The model's unit of length, kept in the file; nothing is scaled.
+    #[arg(long, default_value = "unknown")]
+    unit: UnitArg,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -44,8 +44,18 @@ enum SchemeArg {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum UpArg {
+    X,
     Y,
     Z,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum UnitArg {
+    M,
+    Cm,
+    Mm,
+    In,
+    Unknown,
 }
 
 impl FormArgs {
@@ -67,10 +77,18 @@ impl FormArgs {
             scheme: Scheme::Linear,
             precision: self.precision,
             up: match self.up {
+                UpArg::X => UpAxis::X,
                 UpArg::Y => UpAxis::Y,
                 UpArg::Z => UpAxis::Z,
             },
-            unit: self.unit.clone(),
+            unit: match self.unit {
+                UnitArg::M => "m",
+                UnitArg::Cm => "cm",
+                UnitArg::Mm => "mm",
+                UnitArg::In => "in",
+                UnitArg::Unknown => "",
+            }
+            .to_owned(),
         })
     }
 }

@@ -4,7 +4,9 @@ use super::form::FormArgs;
 use super::info::Info;
 use super::output;
 use super::progress::Progress;
-use crate::opening::{ImportOptions, Imported, import_file};
+use crate::figures::tolerance;
+use crate::opening::{ImportOptions, import_file};
+use crate::report::report;
 use anyhow::{Result, bail};
 use bozzetto_core::conversion::{ConversionOptions, Remesh};
 use bozzetto_core::file::encode;
@@ -14,9 +16,15 @@ use std::path::{Path, PathBuf};
 
 /// Turn a mesh into a wavelet file.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: bozzetto import scan.obj -o scan.boz --wavelet 2")]
+#[command(
+    after_help = "A mesh with subdivision connectivity keeps its vertices; any other is converted, and the distance \
+    between the two is measured and said.\n\n\
+    Example: bozzetto import scan.obj -o scan.boz --wavelet 2\n\
+    Example: bozzetto import part.stl -o part.boz --up z --unit mm --tolerance 1e-3 --report part.html\n\
+    Example: bozzetto import scan.ply -o scan.boz --levels 5 --base-faces 500 --json"
+)]
 pub(super) struct Args {
-    /// The mesh: .obj, .ply or .off.
+    /// The mesh file.
     mesh: PathBuf,
     /// The wavelet file to write.
     #[arg(short, long)]
@@ -36,6 +44,9 @@ pub(super) struct Args {
     /// Upper limit of base faces; chosen from the mesh if left out.
     #[arg(long, value_name = "N")]
     base_faces: Option<usize>,
+    /// Write a report beside it: one HTML file with pictures, distances, repairs, settings and times.
+    #[arg(long, value_name = "OUT.html")]
+    report: Option<PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -79,14 +90,12 @@ struct Report {
 }
 
 impl Report {
-    /// The figures for people.
-    fn text(&self, written: &Path) -> String {
+    /// The figures for people; with the tolerance demanded, if one was.
+    fn text(&self, written: &Path, demanded: Option<f64>) -> String {
         let mut lines =
             vec![format!("distance     rms {:.2e}, max {:.2e} of the diagonal", self.rms, self.max)];
         lines.extend(self.cleaned.iter().map(|sentence| format!("cleaned      {sentence}")));
-        lines.extend(
-            self.tolerance_met.map(|met| format!("tolerance    {}", if met { "met" } else { "not met" })),
-        );
+        lines.extend(demanded.map(|demanded| format!("tolerance    {}", tolerance(self.max, demanded))));
         lines.push(format!("written      {} in {:.1} s", written.display(), self.seconds));
         self.info.text() + &lines.join("\n") + "\n"
     }
@@ -98,10 +107,15 @@ impl Report {
 /// The mesh cannot be read or imported, or the file not written.
 pub(super) fn run(args: &Args) -> Result<()> {
     output::check_lone_wavelet_file(&args.output)?;
+    if let Some(path) = &args.report {
+        check_report(path)?;
+    }
+    let options = args.options()?;
     let progress = Progress::new("Importing");
-    let report = |share| progress.report(share);
-    let Imported { model, cleaned, distance: [rms, max] } =
-        import_file(&args.mesh, &args.options()?, &report)?;
+    let (source, imported) =
+        import_file(&args.mesh, &options, &|stage, done| progress.report(stage.share(done)))?;
+    let model = &imported.model;
+    let [rms, max] = imported.distance;
     let base_faces = model.surface.hierarchy().base().faces().len();
     if let Some(limit) = args.base_faces.filter(|&limit| base_faces > limit) {
         bail!(
@@ -109,16 +123,33 @@ pub(super) fn run(args: &Args) -> Result<()> {
             args.mesh.display()
         );
     }
-    let bytes = encode(&model);
+    let bytes = encode(model);
+    let name = args.output.file_name().unwrap_or_default().to_string_lossy();
+    let page = args.report.as_ref().map(|_| report(&source, &imported, &options, &name)).transpose()?;
     output::replace(&args.output, &bytes)?;
+    if let (Some(path), Some(page)) = (&args.report, page) {
+        output::replace(path, page.as_bytes())?;
+    }
     let report = Report {
-        info: Info::of(&model, bytes.len() as u64),
+        info: Info::of(model, bytes.len() as u64),
         seconds: progress.seconds(),
-        cleaned,
+        cleaned: imported.cleaned,
         rms,
         max,
         tolerance_met: args.tolerance.map(|tolerance| max <= tolerance),
     };
     drop(progress);
-    if args.json { output::print_json(&report) } else { output::print(&report.text(&args.output)) }
+    if args.json {
+        output::print_json(&report)
+    } else {
+        output::print(&report.text(&args.output, args.tolerance))
+    }
+}
+
+/// Refuses a report that is no HTML file or cannot be written.
+fn check_report(path: &Path) -> Result<()> {
+    if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("html") && !e.eq_ignore_ascii_case("htm")) {
+        bail!("{}: the report is a page; let its name end in .html", path.display());
+    }
+    output::check(path)
 }

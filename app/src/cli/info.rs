@@ -39,6 +39,10 @@ pub(super) struct Info {
     /// As `import --wavelet` takes it: lazy, 0, 1 or 2.
     wavelet: String,
     precision: u8,
+    /// The model's up axis: x, y or z.
+    up: String,
+    /// Its unit of length; empty if unknown.
+    unit: String,
     complete: bool,
     bytes: u64,
     hash: String,
@@ -67,6 +71,8 @@ impl Info {
                 Wavelet::Disc(k) => k.to_string(),
             },
             precision: surface.form().precision,
+            up: surface.form().placement.up.to_string(),
+            unit: surface.form().placement.unit.clone(),
             complete: model.complete,
             bytes,
             hash: surface.hash().to_string(),
@@ -96,6 +102,10 @@ impl Info {
             ),
             ("topology", topology.join(", ")),
             ("wavelet", format!("{wavelet}, scheme {}, {} bits", self.scheme, self.precision)),
+            (
+                "placement",
+                format!("{} up, unit {}", self.up, if self.unit.is_empty() { "unknown" } else { &self.unit }),
+            ),
             ("hash", self.hash.clone()),
             ("file", format!("{} bytes{}", self.bytes, if self.complete { "" } else { ", incomplete" })),
         ];

@@ -1,6 +1,6 @@
 //! Inputs of commands: a wavelet file with its log, or a mesh.
 
-use crate::opening::{ImportOptions, import, is_wavelet_file};
+use crate::opening::{ImportOptions, MeshSource, import, is_wavelet_file, metadata_of};
 use anyhow::{Result, bail};
 use bozzetto_core::conversion::{ConversionOptions, Remesh};
 use bozzetto_core::disk::Disk;
@@ -107,7 +107,9 @@ pub(super) fn load_surface(path: &Path, options: OpenOptions) -> Result<Model> {
         Loaded::Mesh(mesh) => {
             let conversion = ConversionOptions { remesh: Remesh::Never, ..ConversionOptions::default() };
             let never = ImportOptions { conversion, form: FormOptions::default() };
-            Ok(import(path, &mesh, &never, &|_| true)?.model)
+            let name = path.display().to_string();
+            let source = MeshSource { name, metadata: metadata_of(path), mesh };
+            Ok(import(&source, &never, &|_, _| true)?.model)
         }
     }
 }

@@ -7,6 +7,7 @@ use glam::DVec3;
 /// fine enough for drawing wherever the model lies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
+    origin: DVec3,
     step: f64,
     up: UpAxis,
 }
@@ -14,7 +15,7 @@ pub struct Frame {
 impl Frame {
     /// The frame of a placement.
     pub fn of(placement: &Placement) -> Self {
-        Self { step: placement.step, up: placement.up }
+        Self { origin: DVec3::from_array(placement.origin), step: placement.step, up: placement.up }
     }
 
     /// A position or vector in steps, as it is drawn.
@@ -22,7 +23,12 @@ impl Frame {
         self.turn(DVec3::from_array(steps.map(f64::from)) * self.step)
     }
 
-    /// The same in the renderer's precision.
+    /// A model position as it is drawn.
+    pub fn place_model(&self, position: [f64; 3]) -> DVec3 {
+        self.turn(DVec3::from_array(position) - self.origin)
+    }
+
+    /// [`Self::place`] in the renderer's precision.
     pub fn place_f32(&self, steps: Vector) -> [f32; 3] {
         self.place(steps).as_vec3().to_array()
     }
@@ -32,6 +38,7 @@ impl Frame {
         match self.up {
             UpAxis::Y => model,
             UpAxis::Z => DVec3::new(model.x, model.z, -model.y),
+            UpAxis::X => DVec3::new(-model.y, model.x, model.z),
         }
     }
 
@@ -40,6 +47,26 @@ impl Frame {
         match self.up {
             UpAxis::Y => drawn,
             UpAxis::Z => DVec3::new(drawn.x, -drawn.z, drawn.y),
+            UpAxis::X => DVec3::new(drawn.y, -drawn.x, drawn.z),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_up_axis_points_up_and_nothing_is_mirrored() {
+        for (up, axis) in [(UpAxis::X, DVec3::X), (UpAxis::Y, DVec3::Y), (UpAxis::Z, DVec3::Z)] {
+            let placement = Placement { origin: [1.0, -2.0, 3.0], step: 0.5, up, unit: String::new() };
+            let frame = Frame::of(&placement);
+            assert_eq!(frame.turn(axis), DVec3::Y, "{up}");
+            let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|v| frame.turn(v));
+            assert_eq!(x.cross(y), z, "{up}: right hands stay right hands");
+            let v = DVec3::new(0.25, -7.0, 3.5);
+            assert_eq!(frame.turn_back(frame.turn(v)), v, "{up}");
+            assert_eq!(frame.place_model(placement.to_model([4, -6, 8])), frame.place([4, -6, 8]), "{up}");
         }
     }
 }

@@ -2,12 +2,14 @@
 //! the overlays that explain it. Knows the core and the renderer's plain types; neither egui nor wgpu.
 
 mod frame;
+mod heat;
 mod overlay;
 mod pick_tree;
 mod subtriangle;
 mod vertices;
 
 pub use frame::Frame;
+pub use heat::HeatScale;
 pub use overlay::{Influence, support_border, tints};
 pub use pick_tree::{Hit, PickTree};
 pub use vertices::ShownVertices;

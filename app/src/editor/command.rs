@@ -1,7 +1,8 @@
 //! What panels and tools ask for. One place, `execute`, carries it out.
 
+use super::choices::ImportChoices;
 use super::dialog::Dialog;
-use crate::opening::ImportOptions;
+use super::preview::PreviewView;
 use crate::render::{Shading, View};
 use bozzetto_core::edit::{Edit, Falloff, Kind};
 use bozzetto_core::hierarchy::PublicId;
@@ -18,10 +19,22 @@ pub enum Command {
     CloseDialog,
     /// Shows the system's file dialog for the dialog's path field.
     Browse,
-    /// Opens a wavelet file or mesh.
+    /// Opens a wavelet file or mesh; a mesh without subdivision connectivity asks how to convert it.
     Open(PathBuf),
-    /// Imports a mesh as a new surface.
-    Import(PathBuf, Box<ImportOptions>),
+    /// Asks how to convert the open surface again.
+    AskRemesh,
+    /// Converts a mesh, to look at the result before it is opened.
+    Convert(Box<ImportChoices>),
+    /// Looks at something else of the preview.
+    LookAt(PreviewView),
+    /// Opens what is previewed.
+    CommitImport,
+    /// Goes from the preview back to the choices.
+    ChangeImport,
+    /// Gives an import up; the open surface is as it was.
+    CancelImport,
+    /// Carries a command out although edits without a file are lost by it.
+    Anyway(Box<Command>),
     /// Adds a save mark; asks for a name where there is none.
     Save,
     /// Saves under another name and goes on there.
@@ -95,6 +108,13 @@ pub enum Command {
     SetShading(Shading),
     /// Switches an overlay.
     Toggle(Overlay),
+}
+
+impl Command {
+    /// Whether it changes where the surface is looked at from and nothing else.
+    pub fn only_looks(&self) -> bool {
+        matches!(self, Self::Look(_) | Self::Fit | Self::Orbit(_) | Self::Pan(_) | Self::Zoom(..))
+    }
 }
 
 /// What can be drawn over the surface.

@@ -1,19 +1,25 @@
 //! Dialogs: what they ask, and their state while they are open.
 
+use super::choices::{ImportChoices, ImportFrom};
 use super::chooser::Purpose;
-use bozzetto_core::wavelet::Wavelet;
+use super::command::Command;
+use bozzetto_core::io::MeshFormat;
+use std::sync::LazyLock;
 
 /// Endings of wavelet files.
 const WAVELET_FILES: &[&str] = &["boz"];
-/// Endings of what can be opened.
-const OPENABLE: &[&str] = &["boz", "obj", "ply", "off"];
 /// Endings of meshes that can be read.
-const MESHES_IN: &[&str] = &["obj", "ply", "off"];
+static MESHES_IN: LazyLock<Vec<&str>> =
+    LazyLock::new(|| MeshFormat::READABLE.iter().map(|format| format.extension()).collect());
 /// Endings of meshes that can be written.
-const MESHES_OUT: &[&str] = &["obj", "ply", "stl", "glb", "off"];
+static MESHES_OUT: LazyLock<Vec<&str>> =
+    LazyLock::new(|| MeshFormat::WRITABLE.iter().map(|format| format.extension()).collect());
+/// Endings of what can be opened.
+static OPENABLE: LazyLock<Vec<&str>> =
+    LazyLock::new(|| WAVELET_FILES.iter().chain(MESHES_IN.iter()).copied().collect());
 
 /// An open dialog.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum Dialog {
     /// Asks for a path.
     Path {
@@ -22,8 +28,12 @@ pub enum Dialog {
         /// The path field.
         path: String,
     },
+    /// Asks how to import a mesh.
+    Import(Box<ImportChoices>),
     /// Asks what to do with unsaved edits before closing.
     Closing,
+    /// Asks what to do with edits that have no file, before a command that loses them.
+    Losing(Box<Command>),
     /// Shows the keys.
     Keys,
 }
@@ -33,13 +43,6 @@ pub enum Dialog {
 pub enum PathTask {
     /// Open a wavelet file or mesh.
     Open,
-    /// Import a mesh with choices.
-    Import {
-        /// Which wavelets.
-        wavelet: Wavelet,
-        /// Take a mesh without subdivision connectivity as its own base mesh.
-        own_base: bool,
-    },
     /// Save under another name.
     SaveAs,
     /// Write a baked copy.
@@ -51,12 +54,25 @@ pub enum PathTask {
     },
 }
 
+impl Dialog {
+    /// The path field and what a file is wanted for, if the dialog has one.
+    pub fn path_field(&mut self) -> Option<(&mut String, Purpose)> {
+        match self {
+            Dialog::Path { task, path } => Some((path, task.purpose())),
+            Dialog::Import(choices) => match &mut choices.from {
+                ImportFrom::File(path) => Some((path, Purpose::Read(&MESHES_IN))),
+                ImportFrom::Surface(_) => None,
+            },
+            Dialog::Closing | Dialog::Losing(_) | Dialog::Keys => None,
+        }
+    }
+}
+
 impl PathTask {
     /// The dialog's title and the word on its button.
     pub fn words(&self) -> (&'static str, &'static str) {
         match self {
             PathTask::Open => ("Open a wavelet file or mesh", "Open file"),
-            PathTask::Import { .. } => ("Import a mesh", "Import mesh"),
             PathTask::SaveAs => ("Save as", "Save file"),
             PathTask::SaveCopy => ("Save a baked copy", "Save copy"),
             PathTask::Export { .. } => ("Export a mesh", "Export mesh"),
@@ -66,10 +82,9 @@ impl PathTask {
     /// What the file is for.
     pub fn purpose(&self) -> Purpose {
         match self {
-            PathTask::Open => Purpose::Read(OPENABLE),
-            PathTask::Import { .. } => Purpose::Read(MESHES_IN),
+            PathTask::Open => Purpose::Read(&OPENABLE),
             PathTask::SaveAs | PathTask::SaveCopy => Purpose::Write(WAVELET_FILES),
-            PathTask::Export { .. } => Purpose::Write(MESHES_OUT),
+            PathTask::Export { .. } => Purpose::Write(&MESHES_OUT),
         }
     }
 

@@ -1,14 +1,15 @@
 //! The one place where commands are carried out.
 
 use super::Editor;
-use super::chooser::Purpose;
 use super::command::Command;
 use super::dialog::{Dialog, PathTask};
 use super::document::Document;
 use super::panels::Banner;
+use super::preview::Preview;
+use super::shown_name;
 use super::viewport::orbit_angles;
 use super::worker::{Done, Outcome, Work};
-use crate::opening::{self, ImportOptions, Imported};
+use crate::opening;
 use crate::render::BoundingSphere;
 use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::edit::{Edit, EditError, Kind, Move};
@@ -17,7 +18,7 @@ use bozzetto_core::io::{MeshFormat, write_mesh};
 use bozzetto_core::session::{OpenOptions, Opened, Session};
 use bozzetto_core::surface::Changes;
 use glam::DVec2;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -34,13 +35,28 @@ impl Editor {
             Command::Ask(dialog) => self.dialog = Some(dialog),
             Command::CloseDialog => self.dialog = None,
             Command::Browse => {
-                if let Some(Dialog::Path { task, .. }) = &self.dialog {
-                    let purpose: Purpose = task.purpose();
+                if let Some((_, purpose)) = self.dialog.as_mut().and_then(Dialog::path_field) {
                     self.chooser.ask(purpose, ctx);
                 }
             }
+            Command::Open(_) | Command::CommitImport if self.would_lose_edits() => {
+                self.dialog = Some(Dialog::Losing(Box::new(command)));
+            }
             Command::Open(path) => self.open(ctx, path),
-            Command::Import(path, options) => self.import(ctx, path, *options),
+            Command::CommitImport => self.commit_import(),
+            Command::Anyway(command) => {
+                self.dialog = None;
+                match *command {
+                    Command::Open(path) => self.open(ctx, path),
+                    Command::CommitImport => self.commit_import(),
+                    other => self.execute(ctx, other),
+                }
+            }
+            Command::AskRemesh => self.ask_how_to_remesh(),
+            Command::Convert(choices) => self.convert(ctx, *choices),
+            Command::LookAt(view) => self.look_at(view),
+            Command::ChangeImport => self.change_import(),
+            Command::CancelImport => self.cancel_import(),
             Command::Save => self.save(),
             Command::SaveAs(path) => self.save_as(ctx, path),
             Command::SaveCopy(path) => self.save_copy(ctx, path),
@@ -79,7 +95,8 @@ impl Editor {
                 (self.camera.yaw, self.camera.pitch) = (turned.yaw, turned.pitch);
             }
             Command::Fit => {
-                if let Some(document) = &mut self.document {
+                let previewed = self.preview.as_mut().map(Preview::document_mut);
+                if let Some(document) = previewed.or(self.document.as_mut()) {
                     document.measure();
                     self.camera.fit(document.sphere(), aspect);
                 }
@@ -248,7 +265,7 @@ impl Editor {
 
     pub(super) fn open(&mut self, ctx: &egui::Context, path: PathBuf) {
         if !opening::is_wavelet_file(&path) {
-            self.import(ctx, path, ImportOptions::default());
+            self.open_mesh(ctx, path);
             return;
         }
         if self.document.as_ref().is_some_and(|d| d.session.path() == Some(&path)) {
@@ -258,20 +275,9 @@ impl Editor {
             Some(Work::opening(ctx.clone(), format!("Opening {}", shown_name(&path)), move |share| {
                 let report = |done| share.report(done);
                 let opened = Session::open(Arc::new(Disk), &path, OpenOptions::default(), &report);
-                opened.map(|Opened { session, notes }| (session, notes)).map_err(|e| e.to_string())
-            }));
-    }
-
-    fn import(&mut self, ctx: &egui::Context, path: PathBuf, options: ImportOptions) {
-        self.work =
-            Some(Work::opening(ctx.clone(), format!("Importing {}", shown_name(&path)), move |share| {
-                let Imported { model, cleaned: mut notes, .. } =
-                    opening::import_file(&path, &options, &|done| share.report(done))
-                        .map_err(|e| format!("{e:#}"))?;
-                if model.surface.finest() == Level::BASE {
-                    notes.push("This mesh has no subdivision connectivity, so it has one level only".into());
-                }
-                Ok((Session::new(Arc::new(Disk), model), notes))
+                opened
+                    .map(|Opened { session, notes }| Outcome::Opened(Box::new(session), notes))
+                    .map_err(|e| e.to_string())
             }));
     }
 
@@ -318,8 +324,19 @@ impl Editor {
         });
     }
 
-    /// Shows a surface just opened.
-    pub(super) fn show(&mut self, session: Session, notes: Vec<String>) {
+    /// Whether the open surface has edits and no file that keeps them.
+    fn would_lose_edits(&self) -> bool {
+        let session = self.document.as_ref().map(|d| &d.session);
+        session.is_some_and(|s| s.path().is_none() && s.history_len() > 0)
+    }
+
+    /// Shows a surface just opened, in place of the one that was.
+    pub(super) fn show(&mut self, session: Session, mut notes: Vec<String>) {
+        if let Some(before) = self.document.take()
+            && let Err(failure) = before.session.close()
+        {
+            notes.push(format!("The log of the surface closed is not on disk: {failure}"));
+        }
         self.settings.for_surface(session.surface().finest());
         let document = Document::new(session, self.settings.shown);
         let size = self.picture_size();
@@ -338,7 +355,12 @@ impl Editor {
         self.work = None;
         match outcome {
             Outcome::Opened(session, notes) => self.show(*session, notes),
-            Outcome::Failed(sentence) => self.fail(sentence),
+            Outcome::Read { path, source } => self.ask_how_to_import(path, source),
+            Outcome::Converted(converted) => self.show_preview(*converted),
+            Outcome::Failed(sentence) => {
+                self.back_to_choices();
+                self.fail(sentence);
+            }
             Outcome::Returned(session, done) => {
                 self.document = Some(Document::new(*session, self.settings.shown));
                 match done {
@@ -364,6 +386,7 @@ impl Editor {
             work.cancel();
             if !work.holds_session {
                 self.work = None;
+                self.back_to_choices();
             }
         }
     }
@@ -371,11 +394,8 @@ impl Editor {
     // ---- closing ------------------------------------------------------------------------------------------
 
     fn quit(&mut self, ctx: &egui::Context) {
-        let unsaved = self.document.as_ref().is_some_and(|document| {
-            let session = &document.session;
-            if session.path().is_some() { session.is_unsaved() } else { session.history_len() > 0 }
-        });
-        if unsaved {
+        let unsaved = |d: &Document| d.session.path().is_some() && d.session.is_unsaved();
+        if self.would_lose_edits() || self.document.as_ref().is_some_and(unsaved) {
             self.dialog = Some(Dialog::Closing);
         } else {
             self.leave(ctx, Leaving::Keeping);
@@ -411,8 +431,4 @@ impl Editor {
 enum Leaving {
     Keeping,
     Discarding,
-}
-
-fn shown_name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

@@ -4,12 +4,15 @@
 //! return commands, carry the commands out in one place, bring the renderer's buffers up to date. The window repaints
 //! only when something happens. The UI thread owns the session, except while a worker has it.
 
+mod choices;
 mod chooser;
 pub mod command;
 mod dialog;
 mod document;
 mod execute;
+mod importing;
 mod panels;
+mod preview;
 mod scenery;
 mod settings;
 mod shortcuts;
@@ -19,8 +22,10 @@ mod tools;
 mod viewport;
 mod worker;
 
+pub use choices::{ImportChoices, ImportFrom};
 pub use chooser::{FileChooser, Purpose, SystemChooser};
 pub use document::{Document, Target};
+pub use preview::{Facts, Preview, PreviewView};
 pub use settings::Settings;
 pub use start::{Start, run};
 
@@ -28,8 +33,10 @@ use crate::render::{Camera, GpuError, Samples, Style, Viewport};
 use command::Command;
 use dialog::Dialog;
 use egui::Rect;
+use importing::ReadMesh;
 use panels::{Banner, Seen};
-use scenery::Scenery;
+use scenery::{Scenery, Shown};
+use std::path::Path;
 use tools::HandleTool;
 use viewport::{Picture, Turning};
 use worker::Work;
@@ -55,6 +62,12 @@ pub struct Editor {
     dialog: Option<Dialog>,
     banner: Option<Banner>,
     work: Option<Work>,
+    /// The choices of the conversion under way.
+    choosing: Option<ImportChoices>,
+    /// A mesh that was read, while its import is being chosen.
+    read: Option<ReadMesh>,
+    /// What was converted and not opened yet.
+    preview: Option<Preview>,
     chooser: Box<dyn FileChooser>,
     picture: Rect,
     /// The camera is to be fitted once the picture's size is known.
@@ -90,6 +103,9 @@ impl Editor {
             dialog: None,
             banner: None,
             work: None,
+            choosing: None,
+            read: None,
+            preview: None,
             chooser,
             picture: Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(968.0, 772.0)),
             refit: false,
@@ -107,6 +123,11 @@ impl Editor {
     /// The open surface; `None` while there is none or a worker has it.
     pub fn document(&self) -> Option<&Document> {
         self.document.as_ref()
+    }
+
+    /// What was converted and not opened yet.
+    pub fn preview(&self) -> Option<&Preview> {
+        self.preview.as_ref()
     }
 
     /// The choices.
@@ -139,9 +160,13 @@ impl Editor {
         let seen = Seen {
             document: self.document.as_ref(),
             settings: &self.settings,
-            hint: self.tool.hint(),
+            hint: match &self.preview {
+                Some(preview) => preview.hint(),
+                None => self.tool.hint(),
+            },
             work: self.work.as_ref(),
             dialog: self.dialog.as_ref(),
+            preview: self.preview.as_ref(),
         };
         let frame = egui::Frame::NONE.fill(ui.visuals().panel_fill);
         egui::Panel::bottom("status")
@@ -158,9 +183,12 @@ impl Editor {
             .exact_size(INSPECTOR_WIDTH)
             .frame(frame.inner_margin(egui::Margin::symmetric(12, 4)))
             .show(ui, |ui| {
-                egui::ScrollArea::vertical()
-                    .auto_shrink([false, false])
-                    .show(ui, |ui| commands.extend(panels::inspector(ui, &seen)));
+                egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+                    commands.extend(match seen.preview {
+                        Some(preview) => panels::preview(ui, preview),
+                        None => panels::inspector(ui, &seen),
+                    });
+                });
             });
         commands.extend(panels::dialogs(ui.ctx(), &seen));
         commands.extend(panels::banner(ui.ctx(), self.picture, self.banner.as_ref()));
@@ -168,11 +196,17 @@ impl Editor {
     }
 
     fn show_picture(&mut self, ui: &mut egui::Ui) -> Vec<Command> {
-        let closed =
-            self.document.as_ref().is_some_and(|d| d.surface().hierarchy().base().boundary_loops() == 0);
-        let style = Style { shading: self.settings.shading, two_sided: !closed, ..Style::default() };
+        let (document, settings) = match &self.preview {
+            Some(preview) => (Some(preview.document()), preview.settings()),
+            None => (self.document.as_ref(), &self.settings),
+        };
+        let closed = document.is_some_and(|d| d.surface().hierarchy().base().boundary_loops() == 0);
+        let painted = self.preview.as_ref().is_some_and(|p| p.painted().is_some());
+        let cavity = if painted { 0.0 } else { Style::default().cavity };
+        let style = Style { shading: settings.shading, two_sided: !closed, cavity, ..Style::default() };
         let picture = Picture {
-            document: self.document.as_ref(),
+            // A preview is only looked at: without a document there is nothing to take hold of.
+            document: self.document.as_ref().filter(|_| self.preview.is_none()),
             settings: &self.settings,
             camera: &self.camera,
             tool: &mut self.tool,
@@ -188,16 +222,25 @@ impl Editor {
 
     /// Brings the renderer's buffers up to date.
     fn update_scenery(&mut self) {
-        let Some(document) = &self.document else { return };
+        let shown = match (&self.preview, &self.document) {
+            (Some(preview), _) => Shown {
+                document: preview.document(),
+                settings: preview.settings(),
+                painted: preview.painted(),
+            },
+            (None, Some(document)) => Shown { document, settings: &self.settings, painted: None },
+            (None, None) => return,
+        };
+        let document = shown.document;
         let held = self.tool.target();
-        let level = self.settings.level;
+        let level = shown.settings.level;
         let vertices = f64::from(document.surface().hierarchy().layout(level).len());
         let size = self.picture_size();
         let per_point = self.camera.world_per_pixel_at(document.sphere().center, size).max(1e-12);
         // A ball's area shared out among the level's vertices.
         let spacing = document.sphere().radius * (4.0 * std::f64::consts::PI / vertices).sqrt() / per_point;
         let mut renderer = self.viewport.renderer();
-        let updated = self.scenery.update(&mut renderer, document, &self.settings, held, spacing < CROWDED);
+        let updated = self.scenery.update(&mut renderer, &shown, held, spacing < CROWDED);
         drop(renderer);
         if let Err(error) = updated {
             self.fail(error.to_string());
@@ -206,17 +249,29 @@ impl Editor {
 
     fn take_chosen_file(&mut self) {
         if let Some(Some(chosen)) = self.chooser.answer()
-            && let Some(Dialog::Path { path, .. }) = &mut self.dialog
+            && let Some((path, _)) = self.dialog.as_mut().and_then(Dialog::path_field)
         {
             *path = chosen.to_string_lossy().into_owned();
         }
     }
 
+    /// Whether nothing stands in the way of opening something.
+    fn is_free(&self) -> bool {
+        self.dialog.is_none() && self.work.is_none() && self.preview.is_none()
+    }
+
+    /// A file let go over the window is opened.
+    fn dropped_file(&self, ctx: &egui::Context) -> Option<Command> {
+        let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|file| file.path().to_owned()));
+        dropped.filter(|_| self.is_free()).map(Command::Open)
+    }
+
     fn update_title(&mut self, ctx: &egui::Context) {
-        let title = match &self.document {
-            Some(document) => format!("{} – Bozzetto", document.name()),
-            None if self.work.is_some() => return,
-            None => "Bozzetto".to_owned(),
+        let title = match (&self.preview, &self.document) {
+            (Some(preview), _) => format!("Preview of {} – Bozzetto", preview.name()),
+            (None, Some(document)) => format!("{} – Bozzetto", document.name()),
+            (None, None) if self.work.is_some() => return,
+            (None, None) => "Bozzetto".to_owned(),
         };
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
@@ -232,8 +287,10 @@ impl eframe::App for Editor {
         self.take_chosen_file();
         let mut commands = Vec::new();
         if self.dialog.is_none() && self.work.is_none() {
-            commands.extend(shortcuts::shortcuts(&ctx, &self.settings));
+            let keys = shortcuts::shortcuts(&ctx, &self.settings).into_iter();
+            commands.extend(keys.filter(|key| self.preview.is_none() || key.only_looks()));
         }
+        commands.extend(self.dropped_file(&ctx));
         commands.extend(self.panels(ui));
         commands.extend(egui::CentralPanel::no_frame().show(ui, |ui| self.show_picture(ui)).inner);
         if std::mem::take(&mut self.refit) {
@@ -259,4 +316,9 @@ impl eframe::App for Editor {
             self.fail(failure.to_string());
         }
     }
+}
+
+/// A file's name without its folder, for people.
+fn shown_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

@@ -19,6 +19,16 @@ const RIM: [u8; 4] = [34, 30, 30, 255];
 const HELD_FILL: [u8; 4] = [246, 150, 70, 255];
 const OUTLINE: [u8; 4] = [252, 246, 236, 220];
 
+/// What is drawn.
+pub(super) struct Shown<'a> {
+    /// The surface.
+    pub document: &'a Document,
+    /// The choices.
+    pub settings: &'a Settings,
+    /// The colour of every shown vertex, in place of the support's.
+    pub painted: Option<&'a [[u8; 4]]>,
+}
+
 /// What of the scene has to be made anew.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scenery {
@@ -27,7 +37,7 @@ pub(super) struct Scenery {
     runs: Vec<Range<u32>>,
     handles_for: Option<(Settings, Option<Target>, bool)>,
     edges_for: Option<(Level, Level, bool)>,
-    tinted_for: Option<(Kind, Level, Level, Option<PublicId>, bool)>,
+    tinted_for: Option<(Kind, Level, Level, Option<PublicId>, bool, bool)>,
     border: Vec<[u32; 2]>,
 }
 
@@ -50,16 +60,16 @@ impl Scenery {
     pub(super) fn update(
         &mut self,
         renderer: &mut SurfaceRenderer,
-        document: &Document,
-        settings: &Settings,
+        shown: &Shown<'_>,
         held: Option<Target>,
         dense: bool,
     ) -> Result<(), GpuError> {
+        let Shown { document, settings, .. } = *shown;
         // While a stroke is previewed on a coarser level, the held vertex has another slot.
         let held = held.and_then(|t| document.target(t.kind, t.level, t.vertex));
         self.update_surface(renderer, document)?;
         self.update_edges(renderer, document, settings)?;
-        self.update_tints(renderer, document, settings)?;
+        self.update_tints(renderer, shown)?;
         let key = (settings.clone(), held, dense);
         if self.overlays || self.handles_for.as_ref() != Some(&key) {
             renderer.set_handles(&handles(document, settings, held, dense))?;
@@ -110,19 +120,19 @@ impl Scenery {
         Ok(())
     }
 
-    fn update_tints(
-        &mut self,
-        renderer: &mut SurfaceRenderer,
-        document: &Document,
-        settings: &Settings,
-    ) -> Result<(), GpuError> {
+    fn update_tints(&mut self, renderer: &mut SurfaceRenderer, scene: &Shown<'_>) -> Result<(), GpuError> {
+        let Shown { document, settings, painted } = *scene;
         let shown = document.vertices().level();
-        let key = (settings.kind, settings.level, shown, settings.selected, settings.support);
+        let key =
+            (settings.kind, settings.level, shown, settings.selected, settings.support, painted.is_some());
         if self.tinted_for == Some(key) {
             return Ok(());
         }
         renderer.clear_tints();
         self.border.clear();
+        if let Some(tints) = painted {
+            renderer.write_tints(0, tints)?;
+        }
         if let Some(id) = settings.selected.filter(|_| settings.support)
             && let Some(influence) =
                 Influence::of(document.surface(), settings.kind, settings.level, id, shown)

@@ -143,7 +143,9 @@ impl Picture<'_> {
             }
             for (key, axis) in [(Key::X, Axis::X), (Key::Y, Axis::Y), (Key::Z, Axis::Z)] {
                 if input.key_pressed(key) && input.modifiers.is_none() {
-                    events.push(HandleEvent::Constrain(axis));
+                    // The model's axes, however it stands.
+                    let turned = |d: &Document| d.vertices().frame().turn(axis.direction());
+                    events.extend(self.document.map(|d| HandleEvent::Constrain(axis, turned(d))));
                 }
             }
             // Keys pressed or let go move the drag even while the hand rests.
@@ -180,7 +182,9 @@ impl Picture<'_> {
         };
         let length = drag.moved.length();
         let share = length / (2.0 * document.sphere().radius) * 100.0;
-        let mut text = format!("{length:.4}  ({share:.1} % of the size)");
+        let unit = &document.surface().form().placement.unit;
+        let space = if unit.is_empty() { "" } else { "\u{202f}" };
+        let mut text = format!("{length:.4}{space}{unit}  ({share:.1} % of the size)");
         if let Some(level) = document.preview() {
             text += &format!("  ·  level {level} shown until you let go");
         }

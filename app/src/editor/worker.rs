@@ -1,16 +1,20 @@
 //! Long work away from the window: with progress, Cancel, and panics contained.
 
+use crate::opening::{MeshSource, Stage};
 use bozzetto_core::session::Session;
 use bozzetto_core::surface::Changes;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// How far the work is, and whether it should stop.
 #[derive(Debug, Default)]
 pub(super) struct Share {
     thousandths: AtomicU32,
+    /// The place of the stage in [`Stage::ALL`].
+    stage: AtomicUsize,
     cancelled: AtomicBool,
 }
 
@@ -21,10 +25,36 @@ impl Share {
         !self.cancelled.load(Ordering::Relaxed)
     }
 
+    /// Says how far a stage of an import is, from 0 to 1; returns whether to go on.
+    pub(super) fn report_stage(&self, stage: Stage, done: f32) -> bool {
+        let place = Stage::ALL.iter().position(|&s| s == stage).unwrap_or(0);
+        self.stage.store(place, Ordering::Relaxed);
+        self.report(stage.share(done))
+    }
+
     /// How far the work is, from 0 to 1.
     pub(super) fn done(&self) -> f32 {
         self.thousandths.load(Ordering::Relaxed) as f32 / 1000.0
     }
+}
+
+/// What a conversion came to.
+#[derive(Debug)]
+pub(super) struct Converted {
+    /// The surface, without a file.
+    pub session: Session,
+    /// The distance of every vertex of the finest level to the mesh, over the diagonal.
+    pub map: Vec<f64>,
+    /// What was repaired, one sentence each.
+    pub cleaned: Vec<String>,
+    /// Root mean square and maximum of the distance, over the diagonal.
+    pub distance: [f64; 2],
+    /// The mesh's diagonal in model units.
+    pub diagonal: f64,
+    /// Vertices and faces of the mesh.
+    pub mesh_counts: [u64; 2],
+    /// The mesh, for another try.
+    pub source: Arc<MeshSource>,
 }
 
 /// What work comes back with.
@@ -32,6 +62,15 @@ impl Share {
 pub(super) enum Outcome {
     /// A surface was opened, with what its user should know.
     Opened(Box<Session>, Vec<String>),
+    /// A mesh was read that has to be converted.
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The mesh.
+        source: Arc<MeshSource>,
+    },
+    /// A mesh was converted.
+    Converted(Box<Converted>),
     /// A session comes back from work on it: what moved, or what went wrong.
     Returned(Box<Session>, Result<Done, String>),
     /// Something went wrong; nothing has changed.
@@ -56,20 +95,33 @@ pub(super) struct Work {
     outcome: Receiver<Outcome>,
     /// Whether it holds the session; then Cancel has to wait for it.
     pub holds_session: bool,
+    /// The stages that it shows, if it is a conversion; otherwise none.
+    pub stages: &'static [Stage],
 }
 
 impl Work {
-    /// Starts work that makes a session.
+    /// Starts work that opens a file.
     pub(super) fn opening(
         wake: egui::Context,
         title: String,
-        work: impl FnOnce(&Share) -> Result<(Session, Vec<String>), String> + Send + 'static,
+        work: impl FnOnce(&Share) -> Result<Outcome, String> + Send + 'static,
     ) -> Self {
         Self::start(wake, title, false, move |share| match catch_unwind(AssertUnwindSafe(|| work(share))) {
-            Ok(Ok((session, notes))) => Outcome::Opened(Box::new(session), notes),
+            Ok(Ok(outcome)) => outcome,
             Ok(Err(sentence)) => Outcome::Failed(sentence),
             Err(panic) => Outcome::Failed(went_wrong(&panic)),
         })
+    }
+
+    /// Starts a conversion that goes through these stages.
+    pub(super) fn converting(
+        wake: egui::Context,
+        title: String,
+        stages: &'static [Stage],
+        work: impl FnOnce(&Share) -> Result<Converted, String> + Send + 'static,
+    ) -> Self {
+        let outcome = |share: &Share| work(share).map(|converted| Outcome::Converted(Box::new(converted)));
+        Self { stages, ..Self::opening(wake, title, outcome) }
     }
 
     /// Starts work on a session, which comes back whatever happens.
@@ -101,12 +153,22 @@ impl Work {
             let _ = sender.send(outcome);
             wake.request_repaint();
         });
-        Self { title, share, outcome, holds_session }
+        Self { title, share, outcome, holds_session, stages: &[] }
     }
 
     /// How far it is, from 0 to 1.
     pub(super) fn done(&self) -> f32 {
         self.share.done()
+    }
+
+    /// Whether it is a conversion.
+    pub(super) fn converts(&self) -> bool {
+        !self.stages.is_empty()
+    }
+
+    /// The stage of a conversion.
+    pub(super) fn stage(&self) -> Stage {
+        Stage::ALL[self.share.stage.load(Ordering::Relaxed).min(Stage::ALL.len() - 1)]
     }
 
     /// Asks it to stop.

@@ -32,6 +32,12 @@ pub enum MeshFileError {
         /// The extension, or that there is none.
         found: String,
     },
+    /// Reading was given up.
+    #[error("{file}: reading it was cancelled; open it again to read it whole")]
+    Cancelled {
+        /// The file, as the caller named it.
+        file: String,
+    },
     /// The contents are wrong.
     #[error("{file}{place}: {defect}")]
     Malformed {
@@ -59,6 +65,10 @@ impl MeshFileError {
             None => "a file without an extension".to_owned(),
         };
         Self::Unsupported { file: on_one_line(name), found }
+    }
+
+    pub(super) fn cancelled(name: &str) -> Self {
+        Self::Cancelled { file: on_one_line(name) }
     }
 
     pub(super) fn malformed(name: &str, place: Place, defect: Defect) -> Self {
@@ -147,6 +157,9 @@ pub enum Defect {
         /// How many are declared.
         declared: u64,
     },
+    /// The reading was given up.
+    #[error("reading it was cancelled; open it again to read it whole")]
+    Cancelled,
     /// A line or an element that does not hold what its header says.
     #[error("the element does not hold what the header declares; correct it or export the model again")]
     BadElement,

@@ -22,12 +22,14 @@ mod ply;
 mod polygon;
 mod stl;
 mod text;
+mod watch;
 
 use std::fs::File;
 use std::io::{BufWriter, Read, Write};
 use std::path::Path;
 
 use crate::mesh::TriangleMesh;
+use watch::Watch;
 
 pub use error::{Defect, MeshFileError, MeshWriteError, Place};
 
@@ -85,6 +87,19 @@ type Parsed<T> = Result<T, (Place, Defect)>;
 /// Cost: linear in the file's size, 0.1 s or less for 100 k faces. Memory while reading: some seven times the
 /// file's size for a usual OBJ, four for the others, twenty at worst.
 pub fn read_mesh(path: &Path) -> Result<TriangleMesh, MeshFileError> {
+    let (format, bytes) = mesh_file_bytes(path, &mut |_| true)?;
+    read_mesh_bytes(format, &bytes, &path.display().to_string())
+}
+
+/// The contents of a mesh file and the format that its extension names, for [`read_mesh_bytes`]. `progress` gets the
+/// share read, every few megabytes, and returns whether to go on.
+///
+/// # Errors
+/// The file cannot be read, its format is none that is read, or the progress function asked to stop.
+pub fn mesh_file_bytes(
+    path: &Path,
+    progress: &mut dyn FnMut(f32) -> bool,
+) -> Result<(MeshFormat, Vec<u8>), MeshFileError> {
     let name = path.display().to_string();
     if path.is_dir() {
         return Err(MeshFileError::not_a_file(&name));
@@ -94,26 +109,42 @@ pub fn read_mesh(path: &Path) -> Result<TriangleMesh, MeshFileError> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().into_owned());
         return Err(MeshFileError::unsupported(&name, extension.as_deref()));
     };
-    let bytes = read_bytes(path, &name)?;
-    read_mesh_bytes(format, &bytes, &name)
+    Ok((format, read_bytes(path, &name, progress)?))
 }
 
 /// Reads a mesh from the contents of a file; `name` is what errors call it.
 ///
 /// Cost: as [`read_mesh`].
 pub fn read_mesh_bytes(format: MeshFormat, bytes: &[u8], name: &str) -> Result<TriangleMesh, MeshFileError> {
-    let parse = match format {
-        MeshFormat::Obj => obj::parse,
-        MeshFormat::Ply => ply::parse,
-        MeshFormat::Off => off::parse,
+    read_mesh_bytes_while(format, bytes, name, &mut || true)
+}
+
+/// [`read_mesh_bytes`], asking every few thousand lines whether to go on.
+///
+/// # Errors
+/// As [`read_mesh_bytes`], or [`MeshFileError::Cancelled`] after the answer no.
+pub fn read_mesh_bytes_while(
+    format: MeshFormat,
+    bytes: &[u8],
+    name: &str,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<TriangleMesh, MeshFileError> {
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(MeshFileError::malformed(name, Place::Whole, Defect::Empty));
+    }
+    let watch = Watch::new(go_on);
+    let parsed = match format {
+        MeshFormat::Obj => obj::parse(bytes, &watch),
+        MeshFormat::Ply => ply::parse(bytes, &watch),
+        MeshFormat::Off => off::parse(bytes, &watch),
         MeshFormat::Stl | MeshFormat::Glb => {
             return Err(MeshFileError::unsupported(name, Some(format.extension())));
         }
     };
-    if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(MeshFileError::malformed(name, Place::Whole, Defect::Empty));
-    }
-    parse(bytes).map_err(|(place, defect)| MeshFileError::malformed(name, place, defect))
+    parsed.map_err(|(place, defect)| match defect {
+        Defect::Cancelled => MeshFileError::cancelled(name),
+        defect => MeshFileError::malformed(name, place, defect),
+    })
 }
 
 /// Writes a mesh in the given format. The writer is flushed, not synced.
@@ -150,7 +181,14 @@ fn check(mesh: &TriangleMesh, single_precision: bool) -> Result<(), MeshWriteErr
     Ok(())
 }
 
-fn read_bytes(path: &Path, name: &str) -> Result<Vec<u8>, MeshFileError> {
+/// Bytes read between two calls of the progress function: some hundredths of a second on a slow disk.
+const READ_AT_ONCE: u64 = 4 << 20;
+
+fn read_bytes(
+    path: &Path,
+    name: &str,
+    progress: &mut dyn FnMut(f32) -> bool,
+) -> Result<Vec<u8>, MeshFileError> {
     let unreadable = |error: std::io::Error| MeshFileError::unreadable(name, error);
     let metadata = std::fs::metadata(path).map_err(unreadable)?;
     if !metadata.is_file() {
@@ -161,8 +199,15 @@ fn read_bytes(path: &Path, name: &str) -> Result<Vec<u8>, MeshFileError> {
     let room = bytes.try_reserve_exact(length);
     room.map_err(|_| MeshFileError::malformed(name, Place::Whole, Defect::OutOfMemory))?;
     let file = File::open(path).map_err(unreadable)?;
-    file.take(metadata.len()).read_to_end(&mut bytes).map_err(unreadable)?;
-    Ok(bytes)
+    let mut file = file.take(metadata.len());
+    loop {
+        if !progress(bytes.len() as f32 / length.max(1) as f32) {
+            return Err(MeshFileError::cancelled(name));
+        }
+        if file.by_ref().take(READ_AT_ONCE).read_to_end(&mut bytes).map_err(unreadable)? == 0 {
+            return Ok(bytes);
+        }
+    }
 }
 
 /// An empty vector with room for `count` entries, or the error that there is none.

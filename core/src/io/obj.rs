@@ -17,14 +17,17 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::polygon::triangulate;
 use super::text::{ContinuedLines, Decimal, Lines, coordinates, whole, words};
+use super::watch::{Watch, WatchedBytes};
 use super::{Defect, LARGEST_COUNT, Parsed, Place};
 use crate::mesh::TriangleMesh;
 
 /// Parses a whole file.
-pub(super) fn parse(bytes: &[u8]) -> Parsed<TriangleMesh> {
-    let (mut clean, vertices) = clean_vertices(bytes)?;
-    clean_faces(bytes, vertices, &mut clean)?;
-    let parsed = parse_clean(&clean).ok_or((Place::Whole, Defect::Parser))?;
+pub(super) fn parse(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
+    let (mut clean, vertices) = clean_vertices(bytes, watch)?;
+    clean_faces(bytes, vertices, &mut clean, watch)?;
+    let parsed = parse_clean(&clean, watch);
+    watch.ask()?;
+    let parsed = parsed.ok_or((Place::Whole, Defect::Parser))?;
     drop(clean);
     let (positions, corners, arities) =
         without_numbering(parsed, vertices as usize).ok_or((Place::Whole, Defect::Parser))?;
@@ -33,10 +36,11 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed<TriangleMesh> {
 }
 
 /// The checked `v` lines, one a line, and how many there are.
-fn clean_vertices(bytes: &[u8]) -> Parsed<(Vec<u8>, u64)> {
+fn clean_vertices(bytes: &[u8], watch: &Watch<'_>) -> Parsed<(Vec<u8>, u64)> {
     let mut clean = Vec::new();
     let mut vertices = 0u64;
     for (number, line) in ContinuedLines(Lines::new(bytes)) {
+        watch.pass()?;
         let mut words = words(&line);
         if words.next() != Some(b"v") {
             continue;
@@ -58,7 +62,7 @@ fn clean_vertices(bytes: &[u8]) -> Parsed<(Vec<u8>, u64)> {
 }
 
 /// Appends the polygon that fixes the numbering and the checked `f` lines with absolute indices.
-fn clean_faces(bytes: &[u8], vertices: u64, clean: &mut Vec<u8>) -> Parsed<()> {
+fn clean_faces(bytes: &[u8], vertices: u64, clean: &mut Vec<u8>, watch: &Watch<'_>) -> Parsed<()> {
     clean.push(b'f');
     (1..=vertices).for_each(|vertex| push_index(clean, vertex));
     clean.push(b'\n');
@@ -66,6 +70,7 @@ fn clean_faces(bytes: &[u8], vertices: u64, clean: &mut Vec<u8>) -> Parsed<()> {
     let mut faces = 0u64;
     let mut preceding = 0u64;
     for (number, line) in ContinuedLines(Lines::new(bytes)) {
+        watch.pass()?;
         let mut words = words(&line);
         match words.next() {
             Some(b"v") => preceding += 1,
@@ -113,8 +118,8 @@ fn absolute_index(corner: &[u8], preceding: u64, vertices: u64) -> Result<u64, D
     }
 }
 
-/// What `tobj` makes of a clean text; `None` if it fails after all.
-fn parse_clean(mut clean: &[u8]) -> Option<tobj::Mesh> {
+/// What `tobj` makes of a clean text; `None` if it fails after all, or is to stop.
+fn parse_clean(clean: &[u8], watch: &Watch<'_>) -> Option<tobj::Mesh> {
     let options = tobj::LoadOptions {
         single_index: false,
         triangulate: false,
@@ -122,6 +127,7 @@ fn parse_clean(mut clean: &[u8]) -> Option<tobj::Mesh> {
         ignore_lines: false,
     };
     let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
+    let mut clean = WatchedBytes::new(clean, watch);
     let parsed = catch_unwind(AssertUnwindSafe(|| tobj::load_obj_buf(&mut clean, &options, no_materials)));
     let (models, _) = parsed.ok()?.ok()?;
     let mut models = models.into_iter();

@@ -10,6 +10,7 @@ use std::io::Write;
 use super::error::excerpt;
 use super::polygon::triangulate;
 use super::text::{Decimal, Lines, coordinates, index_from_zero, whole, words};
+use super::watch::Watch;
 use super::{Defect, LARGEST_COUNT, Parsed, Place, with_room};
 use crate::mesh::TriangleMesh;
 
@@ -30,7 +31,7 @@ impl<'a> Iterator for Content<'a> {
 }
 
 /// Parses a whole file.
-pub(super) fn parse(bytes: &[u8]) -> Parsed<TriangleMesh> {
+pub(super) fn parse(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
     let mut lines = Content(Lines::new(bytes));
     let [vertices, faces] = read_counts(&mut lines)?;
     let length = bytes.len() as u64;
@@ -49,8 +50,8 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed<TriangleMesh> {
     if faces == 0 {
         return Err((Place::Whole, Defect::NoFaces));
     }
-    let positions = read_positions(&mut lines, vertices)?;
-    let (corners, arities) = read_polygons(&mut lines, faces, vertices)?;
+    let positions = read_positions(&mut lines, vertices, watch)?;
+    let (corners, arities) = read_polygons(&mut lines, faces, vertices, watch)?;
     let faces = triangulate(&positions, &corners, &arities)?;
     Ok(TriangleMesh { positions, faces })
 }
@@ -99,9 +100,10 @@ fn is_keyword(word: &[u8]) -> bool {
     rest == b"OFF"
 }
 
-fn read_positions(lines: &mut Content<'_>, vertices: u64) -> Parsed<Vec<[f64; 3]>> {
+fn read_positions(lines: &mut Content<'_>, vertices: u64, watch: &Watch<'_>) -> Parsed<Vec<[f64; 3]>> {
     let mut positions = with_room(vertices as usize)?;
     for found in 0..vertices {
+        watch.pass()?;
         let truncated = Defect::Truncated { what: "vertices".to_owned(), found, declared: vertices };
         let (number, line) = lines.next().ok_or((Place::Whole, truncated))?;
         positions.push(coordinates(words(line)).map_err(|defect| (Place::Line(number), defect))?);
@@ -110,10 +112,16 @@ fn read_positions(lines: &mut Content<'_>, vertices: u64) -> Parsed<Vec<[f64; 3]
 }
 
 /// The corners of all polygons and how many each has.
-fn read_polygons(lines: &mut Content<'_>, faces: u64, vertices: u64) -> Parsed<(Vec<u32>, Vec<u32>)> {
+fn read_polygons(
+    lines: &mut Content<'_>,
+    faces: u64,
+    vertices: u64,
+    watch: &Watch<'_>,
+) -> Parsed<(Vec<u32>, Vec<u32>)> {
     let mut corners = Vec::new();
     let mut arities = with_room(faces as usize)?;
     for found in 0..faces {
+        watch.pass()?;
         let truncated = Defect::Truncated { what: "faces".to_owned(), found, declared: faces };
         let (number, line) = lines.next().ok_or((Place::Whole, truncated))?;
         let arity =

@@ -16,18 +16,19 @@ use ply_rs_bw::ply::{
 use super::error::excerpt;
 use super::polygon::triangulate;
 use super::text::{Decimal, Lines, check_coordinate, index_from_zero};
+use super::watch::Watch;
 use super::{Defect, Parsed, Place, with_room};
 use crate::mesh::TriangleMesh;
 
 mod header;
 
 /// Parses a whole file.
-pub(super) fn parse(bytes: &[u8]) -> Parsed<TriangleMesh> {
-    let parsed = catch_unwind(AssertUnwindSafe(|| parse_unguarded(bytes)));
+pub(super) fn parse(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
+    let parsed = catch_unwind(AssertUnwindSafe(|| parse_unguarded(bytes, watch)));
     parsed.unwrap_or(Err((Place::Whole, Defect::Parser)))
 }
 
-fn parse_unguarded(bytes: &[u8]) -> Parsed<TriangleMesh> {
+fn parse_unguarded(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
     let (header, payload, lines) = header::read(bytes)?;
     header::check(&header, payload.len() as u64)?;
     let vertices = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
@@ -38,6 +39,7 @@ fn parse_unguarded(bytes: &[u8]) -> Parsed<TriangleMesh> {
     let mut source = Source { header: &header, payload, lines: Lines::after(payload, lines) };
     for definition in header.elements.values() {
         for index in 0..definition.count as u64 {
+            watch.pass()?;
             match definition.name.as_str() {
                 "vertex" => {
                     let (place, vertex): (Place, Vertex) = source.element(definition, index)?;

@@ -66,14 +66,25 @@ impl BoundingVolumes {
     ///
     /// Panics if a face refers to a vertex that does not exist.
     pub fn build(mesh: &TriangleMesh) -> Option<Self> {
+        Self::build_while(mesh, &mut || true).unwrap_or(None)
+    }
+
+    /// [`build`](Self::build), asking now and then, after some hundredths of a second, whether to go on.
+    ///
+    /// # Errors
+    /// The answer was no.
+    pub fn build_while(
+        mesh: &TriangleMesh,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<Self>, Abandoned> {
         if mesh.is_empty() {
-            return None;
+            return Ok(None);
         }
         let mut builder = Builder::new(mesh);
-        let nodes = builder.nodes();
+        let nodes = builder.nodes(go_on)?;
         let faces: Vec<u32> = builder.triangles.iter().map(|triangle| triangle.face).collect();
         let corners = faces.iter().map(|&face| mesh.corners(FaceIndex(face)).map(DVec3::from)).collect();
-        Some(Self { nodes, corners, faces })
+        Ok(Some(Self { nodes, corners, faces }))
     }
 
     /// The point of the mesh closest to `point` (finite, model units). For many queries that lie near one
@@ -160,6 +171,13 @@ impl ClosestPointCursor<'_> {
     }
 }
 
+/// A tree was given up before it was built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Abandoned;
+
+/// Triangles put into bins between two questions whether to go on.
+const STRIDE: usize = 1 << 17;
+
 /// A triangle as the builder sees it.
 struct Triangle {
     min: DVec3,
@@ -212,10 +230,11 @@ impl Builder {
     }
 
     /// Puts the triangles in leaf order and returns the nodes, the root first.
-    fn nodes(&mut self) -> Vec<Node> {
+    fn nodes(&mut self, go_on: &mut dyn FnMut() -> bool) -> Result<Vec<Node>, Abandoned> {
         let empty = Node { min: DVec3::ZERO, max: DVec3::ZERO, first: 0, count: 0 };
         let mut nodes = vec![empty];
         let mut pending = vec![(0usize, 0..self.triangles.len(), 0u32)];
+        let mut binned = 0;
         while let Some((index, range, depth)) = pending.pop() {
             let triangles = &mut self.triangles[range.clone()];
             let mut extent = Extent::NONE;
@@ -229,6 +248,13 @@ impl Builder {
             if triangles.len() <= LEAF_TRIANGLES {
                 continue;
             }
+            binned += triangles.len();
+            if binned >= STRIDE {
+                binned = 0;
+                if !go_on() {
+                    return Err(Abandoned);
+                }
+            }
             let middle = range.start + split(triangles, depth);
             let first = nodes.len();
             nodes.extend([empty, empty]);
@@ -236,7 +262,7 @@ impl Builder {
             pending.push((first + 1, middle..range.end, depth + 1));
             pending.push((first, range.start..middle, depth + 1));
         }
-        nodes
+        Ok(nodes)
     }
 }
 

@@ -23,8 +23,8 @@ use super::triangle_mesh::TriangleMesh;
 
 /// Points measured one after another by one thread; each query starts from the answer before it.
 const CHUNK: usize = 1024;
-/// Chunks handed out between two calls of the progress function: some 0.1 s of work.
-const CHUNKS_PER_STEP: usize = 64;
+/// Chunks handed out between two calls of the progress function: some hundredths of a second of work.
+const CHUNKS_PER_STEP: usize = 16;
 
 /// Distances up to this fraction of the largest coordinate are rounding and count as 0, so that a surface
 /// compared with itself is at distance 0. Without it seven scans and models of 6 k to 100 k faces are at up
@@ -100,7 +100,7 @@ pub enum CompareError {
 
 /// Measures the distance between two surfaces both ways.
 ///
-/// `progress` is called from the calling thread, with a fraction from 0 to 1, some ten times a second;
+/// `progress` is called from the calling thread, with a fraction from 0 to 1, some dozens of times a second;
 /// when it returns `false` the comparison ends with [`CompareError::Cancelled`].
 /// Cost: O((samples + vertices) log faces), spread over rayon's current pool.
 ///
@@ -129,9 +129,11 @@ pub fn compare(
         progress,
     };
     meter.advance(0)?;
-    let (tree_a, tree_b) = rayon::join(|| BoundingVolumes::build(a), || BoundingVolumes::build(b));
-    let tree_a = tree_a.ok_or(CompareError::FirstEmpty)?;
-    let tree_b = tree_b.ok_or(CompareError::SecondEmpty)?;
+    // One after the other, so that every question is asked on this thread and their number is always the same.
+    let build =
+        |mesh| BoundingVolumes::build_while(mesh, &mut || progress(0.0)).map_err(|_| CompareError::Cancelled);
+    let tree_a = build(a)?.ok_or(CompareError::FirstEmpty)?;
+    let tree_b = build(b)?.ok_or(CompareError::SecondEmpty)?;
     let a_to_b = meter.one_way(a, &tree_b, options.seed)?;
     let b_to_a = meter.one_way(b, &tree_a, options.seed.wrapping_add(1))?;
 

@@ -2,14 +2,16 @@
 
 mod bounding_volumes;
 pub mod connectivity;
+mod deviation;
 mod distance;
 mod sampling;
 pub mod shapes;
 mod triangle_distance;
 mod triangle_mesh;
 
-pub use bounding_volumes::{BoundingVolumes, ClosestPoint, ClosestPointCursor};
+pub use bounding_volumes::{Abandoned, BoundingVolumes, ClosestPoint, ClosestPointCursor};
 pub use connectivity::{Connectivity, NotManifold};
+pub use deviation::distances_to;
 pub use distance::{CompareError, CompareOptions, Comparison, OneWay, compare};
 pub(crate) use sampling::AreaSampler;
 pub use triangle_mesh::{Bounds, FaceIndex, TriangleMesh};

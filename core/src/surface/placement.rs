@@ -10,20 +10,36 @@ pub enum UpAxis {
     Y,
     /// The z axis, as in most scans and CAD files.
     Z,
+    /// The x axis, as in some files of machine parts.
+    X,
 }
 
 impl UpAxis {
+    /// All of them, the usual one first.
+    pub const ALL: [UpAxis; 3] = [UpAxis::Y, UpAxis::Z, UpAxis::X];
+
     /// The number that stands for it in files.
     pub fn code(self) -> u8 {
         match self {
             UpAxis::Y => 0,
             UpAxis::Z => 1,
+            UpAxis::X => 2,
         }
     }
 
     /// The axis with a given code.
     pub fn from_code(code: u8) -> Option<Self> {
-        [UpAxis::Y, UpAxis::Z].into_iter().find(|up| up.code() == code)
+        Self::ALL.into_iter().find(|up| up.code() == code)
+    }
+}
+
+impl std::fmt::Display for UpAxis {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            UpAxis::Y => "y",
+            UpAxis::Z => "z",
+            UpAxis::X => "x",
+        })
     }
 }
 

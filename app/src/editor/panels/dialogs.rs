@@ -1,29 +1,37 @@
 //! Dialogs over the window.
 
-use super::Seen;
+use super::{Seen, import};
 use crate::editor::command::Command;
 use crate::editor::dialog::{Dialog, PathTask};
 use crate::editor::theme;
-use crate::opening::ImportOptions;
-use bozzetto_core::conversion::{ConversionOptions, Remesh};
-use bozzetto_core::surface::FormOptions;
-use bozzetto_core::wavelet::Wavelet;
 use std::path::PathBuf;
 
 /// Draws the open dialog, if there is one.
 pub(crate) fn dialogs(ctx: &egui::Context, seen: &Seen<'_>) -> Vec<Command> {
     let mut commands = Vec::new();
+    if let Some(work) = seen.work.filter(|work| work.converts()) {
+        egui::Modal::new(egui::Id::unique("conversion")).show(ctx, |ui| {
+            ui.set_width(300.0);
+            import::progress(ui, work, &mut commands);
+        });
+        return commands;
+    }
     let Some(dialog) = seen.dialog else { return commands };
     let shown = egui::Modal::new(egui::Id::unique("dialog")).show(ctx, |ui| {
         ui.set_width(if matches!(dialog, Dialog::Keys) { 380.0 } else { 460.0 });
         match dialog {
             Dialog::Path { task, path } => path_dialog(ui, *task, path, seen, &mut commands),
+            Dialog::Import(choices) => import::choices(ui, choices, seen, &mut commands),
+            Dialog::Losing(command) => losing(ui, command, &mut commands),
             Dialog::Closing => closing(ui, seen, &mut commands),
             Dialog::Keys => keys(ui, &mut commands),
         }
     });
     if shown.should_close() {
         commands.push(Command::CloseDialog);
+        if matches!(dialog, Dialog::Import(_)) {
+            commands.push(Command::CancelImport);
+        }
     }
     commands
 }
@@ -34,32 +42,9 @@ fn path_dialog(ui: &mut egui::Ui, task: PathTask, path: &str, seen: &Seen<'_>, c
     ui.add_space(6.0);
     let mut edited = path.to_owned();
     let mut task_now = task;
-    let field = ui
-        .horizontal(|ui| {
-            let field =
-                ui.add(egui::TextEdit::singleline(&mut edited).desired_width(340.0).hint_text("path"));
-            field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
-            if ui.button("Browse…").clicked() {
-                commands.push(Command::Browse);
-            }
-            field
-        })
-        .inner;
-    let confirmed = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-    if path.is_empty() && !field.has_focus() && !confirmed {
-        field.request_focus();
-    }
+    let confirmed = path_field(ui, &mut edited, commands);
     ui.add_space(4.0);
     match &mut task_now {
-        PathTask::Import { wavelet, own_base } => {
-            ui.horizontal(|ui| {
-                ui.label("wavelet");
-                for kind in Wavelet::ALL {
-                    ui.selectable_value(wavelet, kind, kind.to_string());
-                }
-            });
-            ui.checkbox(own_base, "take a mesh without subdivision connectivity as it is, with one level");
-        }
         PathTask::Export { level } => {
             let finest = seen.document.map_or(0, |d| d.surface().finest().0);
             ui.add(egui::Slider::new(level, 0..=finest).text("level"));
@@ -90,15 +75,29 @@ fn path_dialog(ui: &mut egui::Ui, task: PathTask, path: &str, seen: &Seen<'_>, c
     });
 }
 
+/// A field for a path, with a button for the system's dialog; whether Enter was pressed in it.
+pub(super) fn path_field(ui: &mut egui::Ui, path: &mut String, commands: &mut Vec<Command>) -> bool {
+    let empty = path.is_empty();
+    let field = ui
+        .horizontal(|ui| {
+            let field = ui.add(egui::TextEdit::singleline(path).desired_width(340.0).hint_text("path"));
+            field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
+            if ui.button("Browse…").clicked() {
+                commands.push(Command::Browse);
+            }
+            field
+        })
+        .inner;
+    let confirmed = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+    if empty && !field.has_focus() && !confirmed {
+        field.request_focus();
+    }
+    confirmed
+}
+
 fn command(task: PathTask, path: PathBuf) -> Command {
     match task {
         PathTask::Open => Command::Open(path),
-        PathTask::Import { wavelet, own_base } => {
-            let remesh = if own_base { Remesh::Never } else { Remesh::Auto };
-            let conversion = ConversionOptions { remesh, ..ConversionOptions::default() };
-            let form = FormOptions { wavelet, ..FormOptions::default() };
-            Command::Import(path, Box::new(ImportOptions { conversion, form }))
-        }
         PathTask::SaveAs => Command::SaveAs(path),
         PathTask::SaveCopy => Command::SaveCopy(path),
         PathTask::Export { level } => Command::Export(path, level),
@@ -125,6 +124,24 @@ fn closing(ui: &mut egui::Ui, seen: &Seen<'_>, commands: &mut Vec<Command>) {
         }
         if ui.button("Discard edits").clicked() {
             commands.push(Command::QuitDiscarding);
+        }
+        if ui.button("Cancel").clicked() {
+            commands.push(Command::CloseDialog);
+        }
+    });
+}
+
+fn losing(ui: &mut egui::Ui, command: &Command, commands: &mut Vec<Command>) {
+    ui.heading("Lose the edits of this surface?");
+    ui.add_space(4.0);
+    ui.label("It has no file yet that keeps them. Save it first, or give its edits up.");
+    ui.add_space(8.0);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        if ui.add(egui::Button::new("Save as…").fill(theme::ACCENT)).clicked() {
+            commands.push(Command::Ask(PathTask::SaveAs.dialog()));
+        }
+        if ui.button("Discard edits").clicked() {
+            commands.push(Command::Anyway(Box::new(command.clone())));
         }
         if ui.button("Cancel").clicked() {
             commands.push(Command::CloseDialog);

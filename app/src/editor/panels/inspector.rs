@@ -5,6 +5,7 @@ use crate::editor::command::{Command, Overlay};
 use crate::editor::document::Document;
 use crate::editor::settings::Settings;
 use crate::editor::theme;
+use crate::figures::grouped;
 use crate::render::Shading;
 use bozzetto_core::edit::{Edit, Falloff, Gain, Kind};
 use bozzetto_core::hierarchy::Level;
@@ -189,6 +190,8 @@ fn display(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands
     }
     let form = document.surface().form();
     ui.colored_label(theme::FAINT, format!("{} wavelet, {} bits", form.wavelet, form.precision));
+    let unit = if form.placement.unit.is_empty() { "unknown" } else { &form.placement.unit };
+    ui.colored_label(theme::FAINT, format!("{} up, unit {unit}", form.placement.up));
 }
 
 fn history(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command>) {
@@ -220,17 +223,4 @@ fn tighten(ui: &mut egui::Ui) {
 fn name(response: &egui::Response, name: String) {
     let enabled = response.enabled();
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::RadioButton, enabled, &name));
-}
-
-/// A number with thin groups of three.
-pub(super) fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (at, digit) in digits.chars().enumerate() {
-        if at > 0 && (digits.len() - at).is_multiple_of(3) {
-            text.push('\u{202f}');
-        }
-        text.push(digit);
-    }
-    text
 }

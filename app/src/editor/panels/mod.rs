@@ -2,18 +2,22 @@
 
 mod banner;
 mod dialogs;
+mod import;
 mod inspector;
+mod preview;
 mod status;
 mod strip;
 
 pub(super) use banner::{Banner, banner};
 pub(super) use dialogs::dialogs;
 pub(super) use inspector::inspector;
+pub(super) use preview::preview;
 pub(super) use status::status;
 pub(super) use strip::strip;
 
 use super::dialog::Dialog;
 use super::document::Document;
+use super::preview::Preview;
 use super::settings::Settings;
 use super::worker::Work;
 
@@ -29,6 +33,8 @@ pub(super) struct Seen<'a> {
     pub work: Option<&'a Work>,
     /// The open dialog.
     pub dialog: Option<&'a Dialog>,
+    /// What was converted and not opened yet.
+    pub preview: Option<&'a Preview>,
 }
 
 /// A button that is an icon, with a name for people who cannot see it and a tip for those who can.

@@ -1,15 +1,15 @@
 //! The status bar: what the mouse does now, the counts, work under way.
 
 use super::Seen;
-use super::inspector::grouped;
 use crate::editor::command::Command;
 use crate::editor::theme;
+use crate::figures::grouped;
 
 /// Draws the bar.
 pub(crate) fn status(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
     let mut commands = Vec::new();
     ui.horizontal_centered(|ui| {
-        if let Some(work) = seen.work {
+        if let Some(work) = seen.work.filter(|work| !work.converts()) {
             ui.label(&work.title);
             ui.add(egui::ProgressBar::new(work.done()).desired_width(160.0).show_percentage());
             if ui.small_button("Cancel").clicked() {
@@ -19,7 +19,7 @@ pub(crate) fn status(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
             ui.colored_label(theme::FAINT, &seen.hint);
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if let Some(document) = seen.document {
+            if let Some(document) = seen.document.filter(|_| seen.preview.is_none()) {
                 let hierarchy = document.surface().hierarchy();
                 let shown = seen.settings.shown;
                 let vertices = grouped(u64::from(hierarchy.layout(shown).len()));

@@ -1,18 +1,19 @@
 //! The slim strip on the left: files, undo, views.
 
 use super::{Seen, icon_button};
+use crate::editor::choices::ImportChoices;
 use crate::editor::command::Command;
 use crate::editor::dialog::{Dialog, PathTask};
 use crate::render::View;
-use bozzetto_core::wavelet::Wavelet;
 use lucide_icons::Icon;
 
 /// Draws the strip.
 pub(crate) fn strip(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
     let mut commands = Vec::new();
-    let idle = seen.work.is_none();
+    let idle = seen.work.is_none() && seen.preview.is_none();
     let open = idle && seen.document.is_some();
-    let import = PathTask::Import { wavelet: Wavelet::Disc(2), own_base: false };
+    let looking = open || seen.preview.is_some();
+    let import = Dialog::Import(Box::new(ImportChoices::file(String::new())));
     let finest = seen.document.map_or(0, |d| d.surface().finest().0);
     let export = PathTask::Export { level: finest };
     let (undo, redo) = seen
@@ -35,7 +36,15 @@ pub(crate) fn strip(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
             "Open a wavelet file or mesh (Ctrl+O)",
             ask(PathTask::Open),
         );
-        button(ui, idle, Icon::Import, "Import", "Import a mesh", ask(import));
+        button(ui, idle, Icon::Import, "Import mesh", "Import a mesh, with choices", Command::Ask(import));
+        button(
+            ui,
+            open,
+            Icon::RefreshCw,
+            "Remesh",
+            "Convert the finest level again, as a new surface",
+            Command::AskRemesh,
+        );
         button(ui, open, Icon::Save, "Save", "Save (Ctrl+S)", Command::Save);
         button(ui, open, Icon::SaveAll, "Save as", "Save as (Ctrl+Shift+S)", ask(PathTask::SaveAs));
         button(
@@ -55,17 +64,24 @@ pub(crate) fn strip(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
         ui.add_space(4.0);
         ui.separator();
         ui.add_space(4.0);
-        button(ui, open, Icon::Maximize, "Fit", "Fit the surface into the picture (.)", Command::Fit);
-        button(ui, open, Icon::Square, "Front view", "Look from the front (1)", Command::Look(View::FRONT));
+        button(ui, looking, Icon::Maximize, "Fit", "Fit the surface into the picture (.)", Command::Fit);
         button(
             ui,
-            open,
+            looking,
+            Icon::Square,
+            "Front view",
+            "Look from the front (1)",
+            Command::Look(View::FRONT),
+        );
+        button(
+            ui,
+            looking,
             Icon::PanelRight,
             "Right view",
             "Look from the right (3)",
             Command::Look(View::RIGHT),
         );
-        button(ui, open, Icon::PanelTop, "Top view", "Look from the top (7)", Command::Look(View::TOP));
+        button(ui, looking, Icon::PanelTop, "Top view", "Look from the top (7)", Command::Look(View::TOP));
         ui.add_space(4.0);
         ui.separator();
         ui.add_space(4.0);

@@ -5,7 +5,7 @@ use crate::editor::document::Target;
 use crate::render::Camera;
 use glam::{DVec2, DVec3};
 
-/// An axis that a drag keeps to.
+/// An axis of the model that a drag keeps to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Axis {
     /// The x axis.
@@ -17,7 +17,8 @@ pub(crate) enum Axis {
 }
 
 impl Axis {
-    fn direction(self) -> DVec3 {
+    /// The axis in model space.
+    pub(crate) fn direction(self) -> DVec3 {
         match self {
             Axis::X => DVec3::X,
             Axis::Y => DVec3::Y,
@@ -39,8 +40,8 @@ pub(crate) enum HandleEvent {
     Release,
     /// Esc.
     Escape,
-    /// An axis key.
-    Constrain(Axis),
+    /// An axis key, and where that axis of the model points in drawing space.
+    Constrain(Axis, DVec3),
     /// The key that shows the state before went down or up.
     Before(bool),
 }
@@ -52,7 +53,7 @@ pub(crate) struct Drag {
     pub target: Target,
     /// From the vertex on the picture to the cursor when the button went down.
     grip: DVec2,
-    axis: Option<Axis>,
+    axis: Option<(Axis, DVec3)>,
     /// How far the vertex has moved, in drawing space.
     pub moved: DVec3,
     before: bool,
@@ -82,8 +83,9 @@ impl HandleTool {
                 drag.moved = moved;
                 vec![drag.command()]
             }
-            (HandleTool::Dragging(drag), HandleEvent::Constrain(axis)) => {
-                drag.axis = if drag.axis == Some(axis) { None } else { Some(axis) };
+            (HandleTool::Dragging(drag), HandleEvent::Constrain(axis, drawn)) => {
+                let held = drag.axis.is_some_and(|(held, _)| held == axis);
+                drag.axis = (!held).then_some((axis, drawn));
                 Vec::new()
             }
             (HandleTool::Dragging(drag), HandleEvent::Before(before)) if drag.before != before => {
@@ -152,7 +154,7 @@ impl HandleTool {
             HandleTool::Dragging(drag) => {
                 let axis = match drag.axis {
                     None => "X Y Z: keep to an axis".to_owned(),
-                    Some(axis) => format!("along {axis:?}, again to free it"),
+                    Some((axis, _)) => format!("along {axis:?}, again to free it"),
                 };
                 let rest = match drag.target.kind {
                     bozzetto_core::edit::Kind::Scaling => "finer detail rides along",
@@ -172,7 +174,7 @@ impl Drag {
         let start = self.target.position;
         let aim = cursor - self.grip;
         let line = match (self.axis, along_normal) {
-            (Some(axis), _) => Some(axis.direction()),
+            (Some((_, drawn)), _) => Some(drawn),
             (None, true) => Some(self.target.normal),
             (None, false) => None,
         };
@@ -244,10 +246,10 @@ mod tests {
         let at = camera.project(target.position, PICTURE).expect("in view");
         let mut tool = HandleTool::default();
         tool.on(HandleEvent::Press(target, at), &camera, PICTURE);
-        tool.on(HandleEvent::Constrain(Axis::Y), &camera, PICTURE);
+        tool.on(HandleEvent::Constrain(Axis::Z, DVec3::Y), &camera, PICTURE);
         let delta = dragged(&mut tool, &camera, HandleEvent::Move(at + DVec2::new(10.0, -50.0), false));
         assert!(delta.x == 0.0 && delta.z == 0.0 && delta.y > 0.0);
-        tool.on(HandleEvent::Constrain(Axis::Y), &camera, PICTURE);
+        tool.on(HandleEvent::Constrain(Axis::Z, DVec3::Y), &camera, PICTURE);
         let delta = dragged(&mut tool, &camera, HandleEvent::Move(at + DVec2::new(-60.0, 5.0), true));
         assert!(delta.x == 0.0 && delta.y == 0.0 && delta.z != 0.0);
     }
