@@ -45,8 +45,16 @@ fn every_command_refuses(work: &Workplace, input: &str) {
 #[test]
 fn missing_files() {
     let work = workplace();
-    for input in ["missing.boz", "missing.obj", "no/such/folder.ply", "missing.off", "missing", "missing.xyz"]
-    {
+    for input in [
+        "missing.boz",
+        "missing.obj",
+        "no/such/folder.ply",
+        "missing.stl",
+        "missing.glb",
+        "missing.off",
+        "missing",
+        "missing.xyz",
+    ] {
         every_command_refuses(&work, input);
     }
     work.refuses(&["globe", "missing.png", "-o", "out.boz"], &["missing.png"]);
@@ -86,7 +94,7 @@ fn files_of_something_else() {
         ("picture", &pictures),
     ];
     for (what, bytes) in contents {
-        for extension in ["boz", "obj", "ply", "off"] {
+        for extension in ["boz", "obj", "ply", "stl", "glb", "off"] {
             let name = format!("{what}.{extension}");
             work.write(&name, bytes);
             every_command_refuses(&work, &name);
@@ -144,11 +152,23 @@ fn numbers_that_no_mesh_can_have() {
         ("beyond.ply", ply("1 0 0", "3 0 1 3"), "line 13"),
         ("negative.ply", ply("1 0 0", "3 0 1 -1"), "line 13"),
         ("points.ply", ply("1 0 0", "").replace("element face 1", "element face 0"), "no face"),
+        ("nan.stl", stl("nan 0 0"), "line 5"),
+        ("pair.stl", stl("").replace("vertex \n", ""), "line 6"),
+        ("cut.stl", stl("1 0 0").replace("endsolid", ""), "endsolid"),
+        ("points.stl", "solid\nendsolid\n".to_owned(), "no face"),
     ];
     for (name, content, place) in meshes {
         work.write(name, content);
         every_reader_refuses(&work, name, &[place]);
     }
+}
+
+/// A triangle as STL text with its second corner given.
+fn stl(corner: &str) -> String {
+    format!(
+        "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex {corner}\nvertex 1 1 0\nendloop\nendfacet\n\
+         endsolid\n"
+    )
 }
 
 /// A triangle as ASCII PLY with its second vertex and its face given.

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: bozzetto import scan.obj -o scan.boz --wavelet 2")]
 pub(super) struct Args {
-    /// The mesh: .obj, .ply or .off.
+    /// The mesh: .obj, .ply, .stl, .glb or .off.
     mesh: PathBuf,
     /// The wavelet file to write.
     #[arg(short, long)]
