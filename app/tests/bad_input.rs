@@ -119,8 +119,13 @@ fn files_of_something_else() {
 
 /// Commands that take a mesh.
 fn every_reader_refuses(work: &Workplace, mesh: &str, naming: &[&str]) {
+    work.refuses(&["import", mesh, "-o", "out.boz"], &[&[mesh], naming].concat());
+    every_reader_as_it_is_refuses(work, mesh, naming);
+}
+
+/// Commands that take a mesh as it is.
+fn every_reader_as_it_is_refuses(work: &Workplace, mesh: &str, naming: &[&str]) {
     let naming = [&[mesh], naming].concat();
-    work.refuses(&["import", mesh, "-o", "out.boz"], &naming);
     work.refuses(&["import", mesh, "-o", "out.boz", "--remesh", "never", "--json"], &naming);
     work.refuses(&["info", mesh, "--json"], &naming);
     work.refuses(&["render", mesh, "-o", "out.png"], &naming);
@@ -192,21 +197,22 @@ fn meshes_that_are_no_surface() {
     ];
     for (name, faces, what) in meshes {
         work.write(name, format!("{corners}{faces}"));
-        every_reader_refuses(&work, name, &[what]);
+        every_reader_as_it_is_refuses(&work, name, &[what]);
     }
     work.write("point.obj", "v 1 2 3\nv 1 2 3\nv 1 2 3\nf 1 2 3\n");
     every_reader_refuses(&work, "point.obj", &[]);
+    work.write("line.off", "OFF\n4 2 0\n0 0 0\n1 1 1\n2 2 2\n3 3 3\n3 0 1 2\n3 1 2 3\n");
+    work.refuses(&["import", "line.off", "-o", "out.boz"], &["line.off", "no face with area"]);
     // A pillow of two faces is a manifold, but no two faces of a base mesh may have the same corners.
     work.write("twice.obj", format!("{corners}f 1 2 3\nf 1 3 2\n"));
     work.refuses(&["import", "twice.obj", "-o", "out.boz", "--remesh", "never"], &["same three corners"]);
-    // What is no manifold is repaired and converted if one says so.
+    // What is no manifold is repaired and converted otherwise, and what was repaired is said.
     for name in ["edge.obj", "vertex.obj", "mobius.obj", "degenerate.obj", "twice.obj"] {
-        let report = work.json(&["import", name, "-o", "repaired.boz", "--remesh", "always"]);
-        assert!(
-            !report["cleaned"].as_array().expect("a list").is_empty(),
-            "{name}: what was repaired is said"
-        );
-        work.succeeds(&["verify", "repaired.boz"]);
+        for remesh in [&[][..], &["--remesh", "auto"], &["--remesh", "always"]] {
+            let report = work.json(&[&["import", name, "-o", "repaired.boz"], remesh].concat());
+            assert!(!report["cleaned"].as_array().expect("a list").is_empty(), "{name}, {remesh:?}");
+            work.succeeds(&["verify", "repaired.boz"]);
+        }
     }
     // A manifold without subdivision connectivity is converted, or stands as its own base mesh.
     work.write("lone.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

@@ -8,6 +8,7 @@ use crate::mesh::TriangleMesh;
 use crate::mesh::connectivity::{Connectivity, NotManifold};
 use cut::{cut, edges_of_many};
 use disjoint_sets::DisjointSets;
+use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 mod cut;
@@ -50,30 +51,45 @@ impl CleanReport {
     /// One sentence for each kind of repair that was made.
     pub fn sentences(&self) -> Vec<String> {
         let kinds = [
-            (self.welded, ["vertex was", "vertices were"], "merged with another at the same place"),
+            (self.welded, "vertex was", "vertices were", "merged with another at the same place"),
             (
                 self.degenerate,
-                ["face with a repeated corner was", "faces with a repeated corner were"],
+                "face with a repeated corner was",
+                "faces with a repeated corner were",
                 "left out",
             ),
-            (self.doubled, ["face that doubled another was", "faces that doubled others were"], "left out"),
-            (self.turned, ["face was", "faces were"], "turned round to agree with its neighbours"),
-            (self.cut_edges, ["edge", "edges"], "of more than two faces cut apart"),
-            (self.one_sided, ["edge was", "edges were"], "cut where the surface was one-sided"),
+            (self.doubled, "face that doubled another was", "faces that doubled another were", "left out"),
+            (self.turned, "face was", "faces were", "turned round to agree with the rest"),
+            (
+                self.cut_edges,
+                "edge of more than two faces was",
+                "edges of more than two faces were",
+                "cut apart",
+            ),
+            (self.one_sided, "edge was", "edges were", "cut where the surface was one-sided"),
             (
                 self.cut_vertices,
-                ["vertex was", "vertices were"],
-                "doubled where sheets touch in one vertex or along a cut",
+                "vertex was",
+                "vertices were",
+                "doubled where sheets touch in it or along a cut",
             ),
-            (self.dropped, ["face was", "faces were"], "left out where no cut made the surface manifold"),
-            (self.islands, ["island", "islands"], "too small to be seen left out"),
-            (self.unreferenced, ["vertex", "vertices"], "used by no face left out"),
+            (self.dropped, "face was", "faces were", "left out where no cut made the surface manifold"),
+            (
+                self.islands,
+                "island too small to be seen was",
+                "islands too small to be seen were",
+                "left out",
+            ),
+            (
+                self.unreferenced,
+                "vertex that no face uses was",
+                "vertices that no face uses were",
+                "left out",
+            ),
         ];
         let made = kinds.into_iter().filter(|(count, ..)| *count > 0);
-        made.map(|(count, [one, many], done)| {
-            format!("{count} {} {done}", if count == 1 { one } else { many })
-        })
-        .collect()
+        made.map(|(count, one, many, done)| format!("{count} {} {done}", if count == 1 { one } else { many }))
+            .collect()
     }
 }
 
@@ -101,7 +117,6 @@ impl Cleaned {
 /// Panics if a face refers to a vertex that does not exist.
 pub fn clean(mesh: &TriangleMesh, weld: f64) -> Option<Cleaned> {
     let mut report = CleanReport::default();
-    let diagonal = mesh.diagonal();
     let mut used = vec![false; mesh.positions.len()];
     mesh.faces.iter().flatten().for_each(|&v| used[v as usize] = true);
     report.unreferenced = used.iter().filter(|used| !**used).count();
@@ -127,7 +142,7 @@ pub fn clean(mesh: &TriangleMesh, weld: f64) -> Option<Cleaned> {
         faces.retain(|_| !obstacles.contains(&at.next().expect("the count has no end")));
         report.dropped += before - faces.len();
     }
-    drop_islands(&positions, &mut faces, diagonal, &mut report);
+    drop_islands(&positions, &mut faces, &mut report);
     if faces.is_empty() {
         return None;
     }
@@ -174,18 +189,25 @@ fn drop_degenerate_and_doubled(faces: &mut Vec<[u32; 3]>, report: &mut CleanRepo
     });
 }
 
-fn drop_islands(positions: &[[f64; 3]], faces: &mut Vec<[u32; 3]>, diagonal: f64, report: &mut CleanReport) {
+fn drop_islands(positions: &[[f64; 3]], faces: &mut Vec<[u32; 3]>, report: &mut CleanReport) {
     let mut sets = DisjointSets::new(positions.len());
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for f in faces.iter() {
         sets.join(f[0] as usize, f[1] as usize);
         sets.join(f[0] as usize, f[2] as usize);
+        for &v in f {
+            low = low.min(positions[v as usize].into());
+            high = high.max(positions[v as usize].into());
+        }
     }
+    // In a box of side 1, so that no square is out of range, however large or small the model is.
+    let side = (high - low).max_element();
     let mut areas: FxHashMap<usize, f64> = FxHashMap::default();
     for f in faces.iter() {
-        let [a, b, c] = f.map(|v| glam::DVec3::from(positions[v as usize]));
+        let [a, b, c] = f.map(|v| (DVec3::from(positions[v as usize]) - low) / side);
         *areas.entry(sets.find(f[0] as usize)).or_default() += (b - a).cross(c - a).length() * 0.5;
     }
-    let floor = ISLAND_AREA * diagonal * diagonal;
+    let floor = ISLAND_AREA * ((high - low) / side).length_squared();
     let flat = |area: &f64| area.is_nan() || *area <= floor;
     report.islands += areas.values().filter(|area| flat(area)).count();
     faces.retain(|f| !flat(&areas[&sets.find(f[0] as usize)]));

@@ -52,12 +52,20 @@ pub struct Converted {
     pub measured: Option<Comparison>,
 }
 
+/// The least side of a bounding box that can be remeshed, in model units: squares of squares stay in the range of `f64`.
+const LEAST_EXTENT: f64 = 1e-60;
+
 /// Why a mesh cannot be converted.
 #[derive(Debug, Error, Clone, PartialEq)]
 pub enum ConversionError {
     /// The mesh has no faces.
     #[error("the mesh has no faces, so there is no surface; export it with its triangles")]
     Empty,
+    /// The mesh is too small to compute with.
+    #[error(
+        "the mesh is less than {LEAST_EXTENT:e} units across, too small to compute with; scale it up and export it again"
+    )]
+    TooSmall,
     /// The mesh is no manifold.
     #[error(
         "{0}; repair the mesh there (vertices and faces count from 0), or import it with --remesh auto, which repairs and converts it"
@@ -92,6 +100,12 @@ pub fn convert_with_progress(
 ) -> Result<Converted, ConversionError> {
     if mesh.faces.is_empty() {
         return Err(ConversionError::Empty);
+    }
+    let missing = |&v: &u32| v as usize >= mesh.positions.len();
+    if let Some((face, &vertex)) =
+        (0u32..).zip(&mesh.faces).find_map(|(f, face)| Some((f, face.iter().find(|v| missing(v))?)))
+    {
+        return Err(NotManifold::MissingVertex { face, vertex }.into());
     }
     let (Detected { hierarchy, source }, kind) = match options.remesh {
         Remesh::Always => return remeshed(mesh, options, progress),
@@ -154,6 +168,11 @@ fn remeshed(
     options: &ConversionOptions,
     progress: &dyn Fn(Phase, f32) -> bool,
 ) -> Result<Converted, ConversionError> {
+    let extent =
+        mesh.bounds().map_or(0.0, |bounds| (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f64::max));
+    if extent > 0.0 && extent < LEAST_EXTENT {
+        return Err(ConversionError::TooSmall);
+    }
     let ConversionOptions { levels, base_faces, tolerance, .. } = *options;
     let remeshing = RemeshOptions { base_faces, levels, tolerance, ..RemeshOptions::default() };
     let made = remesh(mesh, &remeshing, progress)?;

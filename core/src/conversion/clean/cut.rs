@@ -2,6 +2,7 @@
 
 use super::CleanReport;
 use super::disjoint_sets::DisjointSets;
+use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
@@ -21,9 +22,11 @@ fn half_edges_by_edge(faces: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
     sides
 }
 
-/// Orients the faces, then gives every fan of faces round a vertex a vertex of its own.
+/// Orients the faces, chooses which go together at edges of more than two, then gives every fan of faces round a vertex
+/// a vertex of its own.
 pub(super) fn cut(positions: &mut Vec<[f64; 3]>, faces: &mut [[u32; 3]], report: &mut CleanReport) {
     let mut twins = vec![u32::MAX; 3 * faces.len()];
+    let before = report.cut_edges;
     for sides in half_edges_by_edge(faces).chunk_by(|one, other| one.0 == other.0) {
         match *sides {
             [_] => {}
@@ -34,7 +37,11 @@ pub(super) fn cut(positions: &mut Vec<[f64; 3]>, faces: &mut [[u32; 3]], report:
             _ => report.cut_edges += 1,
         }
     }
+    let many = report.cut_edges > before;
     orient(faces, &mut twins, report);
+    if many {
+        stitch(positions, faces, &mut twins);
+    }
 
     // Corners glued across an edge are one vertex.
     let mut glued = DisjointSets::new(3 * faces.len());
@@ -119,6 +126,52 @@ fn orient(faces: &mut [[u32; 3]], twins: &mut [u32], report: &mut CleanReport) {
                         twins[twins[h] as usize] = h as u32;
                     }
                 }
+            }
+        }
+    }
+}
+
+/// Cosine between two faces at an edge, seen along it, from which on they go on in each other: 150°.
+const GOES_ON: f64 = -0.866;
+/// Faces at an edge up to which pairs are looked for; beyond it, all are cut apart.
+const MOST_AT_AN_EDGE: usize = 64;
+
+/// Glues pairs of faces at edges of more than two, those that are one surface there: first two of one sheet, joined
+/// by a way over other edges, then two that go on in each other. So a fin leaves no crack in what it stands on.
+fn stitch(positions: &[[f64; 3]], faces: &[[u32; 3]], twins: &mut [u32]) {
+    let mut sheets = DisjointSets::new(faces.len());
+    for (h, &twin) in twins.iter().enumerate().filter(|(_, twin)| **twin != u32::MAX) {
+        sheets.join(h / 3, twin as usize / 3);
+    }
+    for sides in half_edges_by_edge(faces).chunk_by(|one, other| one.0 == other.0) {
+        if !(3..=MOST_AT_AN_EDGE).contains(&sides.len()) {
+            continue;
+        }
+        let around: Vec<(usize, bool, DVec3)> = sides
+            .iter()
+            .map(|&([low, high], h)| {
+                let (face, k) = (faces[h as usize / 3], h as usize % 3);
+                let [p, q, r] = [low, high, face[(k + 2) % 3]].map(|v| DVec3::from(positions[v as usize]));
+                let along = (q - p).normalize_or_zero();
+                let away = (r - p) - along * along.dot(r - p);
+                (h as usize, face[k] == low, away.normalize_or_zero())
+            })
+            .collect();
+        let mut pairs = Vec::new();
+        for (i, one) in around.iter().enumerate() {
+            for other in around[i + 1..].iter().filter(|other| other.1 != one.1) {
+                let apart = sheets.find(one.0 / 3) != sheets.find(other.0 / 3);
+                let cosine = one.2.dot(other.2);
+                if !apart || cosine < GOES_ON {
+                    pairs.push((apart, cosine, one.0, other.0));
+                }
+            }
+        }
+        pairs.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then((a.2, a.3).cmp(&(b.2, b.3))));
+        for (_, _, one, other) in pairs {
+            if twins[one] == u32::MAX && twins[other] == u32::MAX {
+                twins[one] = other as u32;
+                twins[other] = one as u32;
             }
         }
     }
