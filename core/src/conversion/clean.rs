@@ -131,7 +131,9 @@ pub fn clean(mesh: &TriangleMesh, weld: f64) -> Option<Cleaned> {
 
     let mut positions = mesh.positions.clone();
     for _ in 0..LAST_RESORT_ROUNDS {
-        cut(&mut positions, &mut faces, &mut report);
+        if !cut(&mut positions, &mut faces, &mut report) {
+            break;
+        }
         let obstacles = edges_of_many(&faces);
         if obstacles.is_empty() {
             break;

@@ -24,7 +24,9 @@ fn half_edges_by_edge(faces: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
 
 /// Orients the faces, chooses which go together at edges of more than two, then gives every fan of faces round a vertex
 /// a vertex of its own.
-pub(super) fn cut(positions: &mut Vec<[f64; 3]>, faces: &mut [[u32; 3]], report: &mut CleanReport) {
+///
+/// Returns whether there were such edges; without them the result is a manifold.
+pub(super) fn cut(positions: &mut Vec<[f64; 3]>, faces: &mut [[u32; 3]], report: &mut CleanReport) -> bool {
     let mut twins = vec![u32::MAX; 3 * faces.len()];
     let before = report.cut_edges;
     for sides in half_edges_by_edge(faces).chunk_by(|one, other| one.0 == other.0) {
@@ -75,6 +77,7 @@ pub(super) fn cut(positions: &mut Vec<[f64; 3]>, faces: &mut [[u32; 3]], report:
             faces[corner / 3][corner % 3] = copy;
         }
     }
+    many
 }
 
 /// Turns faces so that glued neighbours agree, most of each component keeping its side; edges where that is
