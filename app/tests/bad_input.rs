@@ -45,8 +45,16 @@ fn every_command_refuses(work: &Workplace, input: &str) {
 #[test]
 fn missing_files() {
     let work = workplace();
-    for input in ["missing.boz", "missing.obj", "no/such/folder.ply", "missing.off", "missing", "missing.xyz"]
-    {
+    for input in [
+        "missing.boz",
+        "missing.obj",
+        "no/such/folder.ply",
+        "missing.stl",
+        "missing.glb",
+        "missing.off",
+        "missing",
+        "missing.xyz",
+    ] {
         every_command_refuses(&work, input);
     }
     work.refuses(&["globe", "missing.png", "-o", "out.boz"], &["missing.png"]);
@@ -86,7 +94,7 @@ fn files_of_something_else() {
         ("picture", &pictures),
     ];
     for (what, bytes) in contents {
-        for extension in ["boz", "obj", "ply", "off"] {
+        for extension in ["boz", "obj", "ply", "stl", "glb", "off"] {
             let name = format!("{what}.{extension}");
             work.write(&name, bytes);
             every_command_refuses(&work, &name);
@@ -111,8 +119,13 @@ fn files_of_something_else() {
 
 /// Commands that take a mesh.
 fn every_reader_refuses(work: &Workplace, mesh: &str, naming: &[&str]) {
+    work.refuses(&["import", mesh, "-o", "out.boz"], &[&[mesh], naming].concat());
+    every_reader_as_it_is_refuses(work, mesh, naming);
+}
+
+/// Commands that take a mesh as it is.
+fn every_reader_as_it_is_refuses(work: &Workplace, mesh: &str, naming: &[&str]) {
     let naming = [&[mesh], naming].concat();
-    work.refuses(&["import", mesh, "-o", "out.boz"], &naming);
     work.refuses(&["import", mesh, "-o", "out.boz", "--remesh", "never", "--json"], &naming);
     work.refuses(&["info", mesh, "--json"], &naming);
     work.refuses(&["render", mesh, "-o", "out.png"], &naming);
@@ -144,11 +157,23 @@ fn numbers_that_no_mesh_can_have() {
         ("beyond.ply", ply("1 0 0", "3 0 1 3"), "line 13"),
         ("negative.ply", ply("1 0 0", "3 0 1 -1"), "line 13"),
         ("points.ply", ply("1 0 0", "").replace("element face 1", "element face 0"), "no face"),
+        ("nan.stl", stl("nan 0 0"), "line 5"),
+        ("pair.stl", stl("").replace("vertex \n", ""), "line 6"),
+        ("cut.stl", stl("1 0 0").replace("endsolid", ""), "endsolid"),
+        ("points.stl", "solid\nendsolid\n".to_owned(), "no face"),
     ];
     for (name, content, place) in meshes {
         work.write(name, content);
         every_reader_refuses(&work, name, &[place]);
     }
+}
+
+/// A triangle as STL text with its second corner given.
+fn stl(corner: &str) -> String {
+    format!(
+        "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex {corner}\nvertex 1 1 0\nendloop\nendfacet\n\
+         endsolid\n"
+    )
 }
 
 /// A triangle as ASCII PLY with its second vertex and its face given.
@@ -172,21 +197,22 @@ fn meshes_that_are_no_surface() {
     ];
     for (name, faces, what) in meshes {
         work.write(name, format!("{corners}{faces}"));
-        every_reader_refuses(&work, name, &[what]);
+        every_reader_as_it_is_refuses(&work, name, &[what]);
     }
     work.write("point.obj", "v 1 2 3\nv 1 2 3\nv 1 2 3\nf 1 2 3\n");
     every_reader_refuses(&work, "point.obj", &[]);
+    work.write("line.off", "OFF\n4 2 0\n0 0 0\n1 1 1\n2 2 2\n3 3 3\n3 0 1 2\n3 1 2 3\n");
+    work.refuses(&["import", "line.off", "-o", "out.boz"], &["line.off", "no face with area"]);
     // A pillow of two faces is a manifold, but no two faces of a base mesh may have the same corners.
     work.write("twice.obj", format!("{corners}f 1 2 3\nf 1 3 2\n"));
     work.refuses(&["import", "twice.obj", "-o", "out.boz", "--remesh", "never"], &["same three corners"]);
-    // What is no manifold is repaired and converted if one says so.
+    // What is no manifold is repaired and converted otherwise, and what was repaired is said.
     for name in ["edge.obj", "vertex.obj", "mobius.obj", "degenerate.obj", "twice.obj"] {
-        let report = work.json(&["import", name, "-o", "repaired.boz", "--remesh", "always"]);
-        assert!(
-            !report["cleaned"].as_array().expect("a list").is_empty(),
-            "{name}: what was repaired is said"
-        );
-        work.succeeds(&["verify", "repaired.boz"]);
+        for remesh in [&[][..], &["--remesh", "auto"], &["--remesh", "always"]] {
+            let report = work.json(&[&["import", name, "-o", "repaired.boz"], remesh].concat());
+            assert!(!report["cleaned"].as_array().expect("a list").is_empty(), "{name}, {remesh:?}");
+            work.succeeds(&["verify", "repaired.boz"]);
+        }
     }
     // A manifold without subdivision connectivity is converted, or stands as its own base mesh.
     work.write("lone.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

@@ -74,6 +74,22 @@ fn import_and_info_report_what_is_there() {
     );
 }
 
+/// STL and GLB go through every command that takes a mesh, and keep the connectivity they were written with.
+#[test]
+fn stl_and_glb_are_meshes_like_any_other() {
+    let work = Workplace::new();
+    ball_boz(&work);
+    for mesh in ["ball.stl", "ball.glb"] {
+        work.succeeds(&["export", "ball.boz", "-o", mesh]);
+        let imported = work.json(&["import", mesh, "-o", "again.boz"]);
+        assert_eq!((&imported["levels"], &imported["base_faces"]), (&json!(3), &json!(8)), "{mesh}");
+        assert_eq!(work.json(&["info", mesh])["vertices"], 258, "{mesh}");
+        let distance = work.json(&["compare", "ball.boz", mesh])["max"].as_f64().expect("a number");
+        assert!(distance < QUANTISATION, "{mesh}: {distance}");
+        work.succeeds(&["verify", "ball.boz", "--against", mesh]);
+    }
+}
+
 /// Options of import reach the file.
 #[test]
 fn import_options_are_kept() {

@@ -297,6 +297,42 @@ fn what_is_not_subdivided_is_not_found() {
 }
 
 #[test]
+fn a_soup_of_a_subdivided_mesh_keeps_its_vertices() {
+    let whole = shapes::subdivide(&shapes::pretzel(2), 2);
+    let soup = TriangleMesh {
+        positions: whole.faces.iter().flatten().map(|&v| whole.positions[v as usize]).collect(),
+        faces: (0..whole.faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
+    };
+    let converted = convert(&soup, &ConversionOptions::default()).expect("a conversion");
+    assert!(converted.hierarchy.finest() >= Level(2) && converted.measured.is_none());
+    let repeated = soup.positions.len() - whole.positions.len();
+    assert_eq!(
+        converted.cleaned,
+        [format!("{repeated} vertices were merged with another at the same place")]
+    );
+    let source = converted.source.expect("vertices of the file");
+    for (position, &v) in converted.positions.iter().zip(&source) {
+        let first = soup.positions.iter().position(|p| p == position);
+        assert_eq!(first, Some(v as usize), "the first vertex at the place stands for all");
+    }
+    // As it is, the soup is triangles of their own.
+    let own =
+        convert(&soup, &ConversionOptions { remesh: Remesh::Never, ..Default::default() }).expect("soup");
+    assert_eq!((own.hierarchy.base().components() as usize, own.source), (soup.faces.len(), None));
+}
+
+#[test]
+fn a_face_of_a_missing_vertex_is_an_error_however_one_converts() {
+    let mut mesh = shapes::octahedron();
+    mesh.faces.push([0, 1, 6]);
+    for remesh in [Remesh::Auto, Remesh::Always, Remesh::Never] {
+        let converted = convert(&mesh, &ConversionOptions { remesh, ..Default::default() });
+        let error = NotManifold::MissingVertex { face: 8, vertex: 6 };
+        assert_eq!(converted.err(), Some(ConversionError::NotManifold(error)), "{remesh:?}");
+    }
+}
+
+#[test]
 fn what_is_no_manifold_is_an_error() {
     let of = |mesh: &TriangleMesh| {
         let count = mesh.positions.len() as u32;

@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
     Example: bozzetto import scan.ply -o scan.boz --levels 5 --base-faces 500 --json"
 )]
 pub(super) struct Args {
-    /// The mesh file.
+    /// The mesh: .obj, .ply, .stl, .glb or .off.
     mesh: PathBuf,
     /// The wavelet file to write.
     #[arg(short, long)]
@@ -32,8 +32,8 @@ pub(super) struct Args {
     /// At most so many levels, or so many when the mesh is converted.
     #[arg(long, value_name = "J", value_parser = clap::value_parser!(u8).range(0..=15))]
     levels: Option<u8>,
-    /// Whether to convert: auto looks for subdivision connectivity first; always repairs and converts any mesh; never
-    /// takes the mesh as it is.
+    /// Whether to convert: auto looks for subdivision connectivity first and repairs and converts any other mesh; always
+    /// repairs and converts in any case; never takes the mesh as it is.
     #[arg(long, default_value = "auto")]
     remesh: RemeshArg,
     #[command(flatten)]

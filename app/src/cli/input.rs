@@ -52,7 +52,10 @@ pub fn load(path: &Path, options: OpenOptions) -> Result<Loaded> {
         return Ok(Loaded::Surface(Box::new(load_model(path, options)?)));
     }
     if MeshFormat::from_path(path).is_none() {
-        bail!("{}: the format is not known; give a .boz, .obj, .ply or .off file", path.display());
+        bail!(
+            "{}: the format is not known; give a .boz, .obj, .ply, .stl, .glb or .off file",
+            path.display()
+        );
     }
     Ok(Loaded::Mesh(read_mesh(path)?))
 }

@@ -10,8 +10,11 @@ use bozzetto_core::session::Session;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The sample that opens when no file is named.
-const SAMPLE: &[u8] = include_bytes!("../../../assets/head.boz");
+/// The sample that opens when no file is named: the scan `faun.ply`, converted beforehand, for that takes seconds.
+const SCAN: &[u8] = include_bytes!("../../../assets/faun.boz");
+
+/// A smaller sample, over a base mesh placed by hand.
+const HEAD: &[u8] = include_bytes!("../../../assets/head.boz");
 
 /// What the editor begins with.
 pub enum Start {
@@ -24,17 +27,29 @@ pub enum Start {
 }
 
 impl Start {
-    /// The sample, as a surface without a file.
+    /// The sample scan, converted, as a surface without a file.
+    ///
+    /// # Errors
+    /// The sample is damaged.
+    pub fn scan() -> Result<Self> {
+        Self::without_file(SCAN, "faun.boz")
+    }
+
+    /// The sample head, as a surface without a file.
     ///
     /// # Errors
     /// The sample is damaged.
     pub fn sample() -> Result<Self> {
-        let model = decode(SAMPLE, Path::new("head.boz"))?;
+        Self::without_file(HEAD, "head.boz")
+    }
+
+    fn without_file(bytes: &[u8], name: &str) -> Result<Self> {
+        let model = decode(bytes, Path::new(name))?;
         Ok(Self::Session(Box::new(Session::new(Arc::new(Disk), model))))
     }
 }
 
-/// Opens the window on a file, or on the sample, and returns when it is closed.
+/// Opens the window on a file, or on the sample scan, and returns when it is closed.
 ///
 /// # Errors
 /// The file does not exist, or there is no display or no way to draw; one sentence says what to install.
@@ -45,7 +60,7 @@ pub fn run(file: Option<PathBuf>) -> Result<()> {
             std::fs::metadata(&path).with_context(|| path.display().to_string())?;
             Start::File(path)
         }
-        None => Start::sample()?,
+        None => Start::scan()?,
     };
     // The window's own messages about missing drivers say less than these.
     Gpu::headless()?;

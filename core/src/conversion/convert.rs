@@ -1,6 +1,8 @@
 //! From a triangle mesh to a hierarchy with positions: a mesh with subdivision connectivity keeps its vertices, any
 //! other is remeshed or can stand as its own base mesh.
 
+use super::clean::CleanReport;
+use super::clean::weld::equal;
 use super::remesh::{Phase, RemeshError, RemeshOptions, remesh};
 use crate::hierarchy::detection::{Detected, detect, own_base};
 use crate::hierarchy::{FINEST_LEVEL, Hierarchy, NotABaseMesh};
@@ -12,12 +14,13 @@ use thiserror::Error;
 /// Whether to look for subdivision connectivity, and what to do without it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Remesh {
-    /// Use it where it is there; otherwise remesh. A mesh that is no manifold is refused.
+    /// Use it where it is there, in the mesh as it is or with vertices at exactly the same place made one; otherwise
+    /// repair and remesh.
     #[default]
     Auto,
     /// Repair and remesh in any case.
     Always,
-    /// Use it where it is there; otherwise the mesh is its own base mesh, J = 0.
+    /// Use it where it is there; otherwise the mesh is its own base mesh, J = 0. A mesh that is no manifold is refused.
     Never,
 }
 
@@ -49,15 +52,23 @@ pub struct Converted {
     pub measured: Option<Comparison>,
 }
 
+/// The least side of a bounding box that can be remeshed, in model units: squares of squares stay in the range of `f64`.
+const LEAST_EXTENT: f64 = 1e-60;
+
 /// Why a mesh cannot be converted.
 #[derive(Debug, Error, Clone, PartialEq)]
 pub enum ConversionError {
     /// The mesh has no faces.
     #[error("the mesh has no faces, so there is no surface; export it with its triangles")]
     Empty,
+    /// The mesh is too small to compute with.
+    #[error(
+        "the mesh is less than {LEAST_EXTENT:e} units across, too small to compute with; scale it up and export it again"
+    )]
+    TooSmall,
     /// The mesh is no manifold.
     #[error(
-        "{0}; repair the mesh there (vertices and faces count from 0), or let --remesh always repair and convert it"
+        "{0}; repair the mesh there (vertices and faces count from 0), or import it with --remesh auto, which repairs and converts it"
     )]
     NotManifold(#[from] NotManifold),
     /// The mesh cannot be its own base mesh.
@@ -90,21 +101,66 @@ pub fn convert_with_progress(
     if mesh.faces.is_empty() {
         return Err(ConversionError::Empty);
     }
-    let find = || detect(mesh.positions.len() as u32, &mesh.faces, options.levels.unwrap_or(FINEST_LEVEL));
-    let detected = match options.remesh {
-        Remesh::Always => None,
-        Remesh::Auto | Remesh::Never => find()?,
+    let missing = |&v: &u32| v as usize >= mesh.positions.len();
+    if let Some((face, &vertex)) =
+        (0u32..).zip(&mesh.faces).find_map(|(f, face)| Some((f, face.iter().find(|v| missing(v))?)))
+    {
+        return Err(NotManifold::MissingVertex { face, vertex }.into());
+    }
+    let (Detected { hierarchy, source }, kind) = match options.remesh {
+        Remesh::Always => return remeshed(mesh, options, progress),
+        Remesh::Auto => match detect_in(mesh, options).ok().flatten() {
+            Some(detected) => (detected, Kind::AsItIs),
+            None => match detect_welded(mesh, options) {
+                Some((detected, merged)) => (detected, Kind::Welded(merged)),
+                None => return remeshed(mesh, options, progress),
+            },
+        },
+        Remesh::Never => match detect_in(mesh, options)? {
+            Some(detected) => (detected, Kind::AsItIs),
+            None => (own_base_of_used(mesh)?, Kind::OwnBase),
+        },
     };
-    let (Detected { hierarchy, source }, found) = match detected {
-        Some(detected) => (detected, true),
-        None if options.remesh == Remesh::Never => (own_base_of_used(mesh)?, false),
-        None => return remeshed(mesh, options, progress),
+    let merged = if let Kind::Welded(merged) = kind { merged } else { 0 };
+    let report = CleanReport {
+        welded: merged,
+        unreferenced: mesh.positions.len() - source.len() - merged,
+        ..CleanReport::default()
     };
-    let unused = mesh.positions.len() - source.len();
-    let cleaned = (unused > 0).then(|| format!("{unused} vertices that no face uses were left out"));
     let positions = source.par_iter().map(|&v| mesh.positions[v as usize]).collect();
-    let source = found.then_some(source);
-    Ok(Converted { hierarchy, positions, source, cleaned: cleaned.into_iter().collect(), measured: None })
+    let source = (kind != Kind::OwnBase).then_some(source);
+    Ok(Converted { hierarchy, positions, source, cleaned: report.sentences(), measured: None })
+}
+
+/// How a mesh came to a hierarchy without remeshing.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// It has subdivision connectivity.
+    AsItIs,
+    /// It has subdivision connectivity where so many vertices are merged with another.
+    Welded(usize),
+    /// It is its own base mesh.
+    OwnBase,
+}
+
+fn detect_in(mesh: &TriangleMesh, options: &ConversionOptions) -> Result<Option<Detected>, NotManifold> {
+    detect(mesh.positions.len() as u32, &mesh.faces, options.levels.unwrap_or(FINEST_LEVEL))
+}
+
+/// Subdivision connectivity of the mesh with vertices at exactly the same place made one, and how many were merged.
+/// `None` if there are no such vertices: seams of textures and soups have them.
+fn detect_welded(mesh: &TriangleMesh, options: &ConversionOptions) -> Option<(Detected, usize)> {
+    let mut used = vec![false; mesh.positions.len()];
+    mesh.faces.iter().flatten().for_each(|&v| used[v as usize] = true);
+    let first = equal(&mesh.positions, &used);
+    let merged = (0u32..).zip(&first).filter(|(v, other)| v != *other).count();
+    if merged == 0 {
+        return None;
+    }
+    let faces: Vec<[u32; 3]> = mesh.faces.iter().map(|face| face.map(|v| first[v as usize])).collect();
+    let levels = options.levels.unwrap_or(FINEST_LEVEL);
+    let detected = detect(mesh.positions.len() as u32, &faces, levels).ok()??;
+    Some((detected, merged))
 }
 
 fn remeshed(
@@ -112,6 +168,11 @@ fn remeshed(
     options: &ConversionOptions,
     progress: &dyn Fn(Phase, f32) -> bool,
 ) -> Result<Converted, ConversionError> {
+    let extent =
+        mesh.bounds().map_or(0.0, |bounds| (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f64::max));
+    if extent > 0.0 && extent < LEAST_EXTENT {
+        return Err(ConversionError::TooSmall);
+    }
     let ConversionOptions { levels, base_faces, tolerance, .. } = *options;
     let remeshing = RemeshOptions { base_faces, levels, tolerance, ..RemeshOptions::default() };
     let made = remesh(mesh, &remeshing, progress)?;

@@ -126,6 +126,7 @@ pub fn remesh(
 
     check(Phase::Resample, 0.0)?;
     let domain = Domain::new(&working, &map)?;
+    let levels = options.levels.unwrap_or_else(|| affordable(levels, domain.base.faces().len(), unit.faces.len()));
     let ground = Ground { mesh: &unit, connectivity: &cleaned.connectivity };
     let laid = lay_out(
         &Input { mesh: &unit, ground: &ground, domain: &domain },
@@ -200,6 +201,15 @@ fn sizes(mesh: &TriangleMesh, options: &RemeshOptions) -> (usize, u8) {
     });
     let faces = options.base_faces.unwrap_or((finest / f64::from(4u32.pow(levels.min(12).into()))) as usize);
     (faces.max(4), levels)
+}
+
+/// How many times the faces aimed at are accepted before levels are left out.
+const MOST_EXCESS: f64 = 4.0;
+
+/// So many levels, or fewer if the base mesh has far more faces than were aimed at, as where components are many.
+fn affordable(levels: u8, base_faces: usize, input_faces: usize) -> u8 {
+    let most = FINENESS * MOST_EXCESS * input_faces as f64 / base_faces as f64;
+    (1..=levels).rev().find(|&j| f64::from(4u32.pow(j.into())) <= most).unwrap_or(levels.min(1))
 }
 
 #[cfg(test)]

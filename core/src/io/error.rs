@@ -25,7 +25,7 @@ pub enum MeshFileError {
         file: String,
     },
     /// No reader for this extension.
-    #[error("{file}: {found} cannot be read as a mesh; convert it to .obj, .ply or .off")]
+    #[error("{file}: {found} cannot be read as a mesh; convert it to .obj, .ply, .stl, .glb or .off")]
     Unsupported {
         /// The file, as the caller named it.
         file: String,
@@ -160,6 +160,24 @@ pub enum Defect {
     /// The reading was given up.
     #[error("reading it was cancelled; open it again to read it whole")]
     Cancelled,
+    /// The file ends before a part that every file of the format has.
+    #[error("the file ends before {part}; it was cut short, so export or copy it again")]
+    CutShort {
+        /// What is missing.
+        part: &'static str,
+    },
+    /// A scene that contradicts itself or the format.
+    #[error("{problem}; export the model again")]
+    Scene {
+        /// What is wrong.
+        problem: String,
+    },
+    /// A feature of the format for which there is no reader.
+    #[error("{feature} cannot be read; export the model again without it")]
+    Feature {
+        /// The feature, with an article.
+        feature: String,
+    },
     /// A line or an element that does not hold what its header says.
     #[error("the element does not hold what the header declares; correct it or export the model again")]
     BadElement,
@@ -284,9 +302,14 @@ const EXCERPT: usize = 32;
 
 /// A piece of a file for an error message: escaped, and cut short.
 pub(super) fn excerpt(text: &[u8]) -> String {
-    let shown = String::from_utf8_lossy(&text[..text.len().min(4 * EXCERPT)]);
-    let mut excerpt: String = shown.chars().take(EXCERPT).flat_map(char::escape_debug).collect();
-    if shown.chars().count() > EXCERPT || text.len() > 4 * EXCERPT {
+    excerpt_of(text, EXCERPT)
+}
+
+/// At most `most` characters of a text for an error message, escaped.
+pub(super) fn excerpt_of(text: &[u8], most: usize) -> String {
+    let shown = String::from_utf8_lossy(&text[..text.len().min(4 * most)]);
+    let mut excerpt: String = shown.chars().take(most).flat_map(char::escape_debug).collect();
+    if shown.chars().count() > most || text.len() > 4 * most {
         excerpt.push('…');
     }
     excerpt

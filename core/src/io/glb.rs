@@ -1,6 +1,6 @@
-//! Binary glTF 2.0, written only.
+//! Binary glTF 2.0. What is read is in [`reader`].
 //!
-//! One mesh of one triangle primitive: positions and smooth normals in single precision, and 32-bit
+//! Written: one mesh of one triangle primitive: positions and smooth normals in single precision, and 32-bit
 //! indices. Layout (glTF 2.0 specification, section 4.4): a 12-byte header; a JSON chunk padded with
 //! spaces; a binary chunk, all of whose parts are multiples of 4 bytes long. Coordinates are written as
 //! they are: glTF takes +Y for up and metres for the unit, and placing the model so is the caller's part.
@@ -12,6 +12,12 @@ use serde_json::{Value, json};
 
 use super::MeshWriteError;
 use crate::mesh::{FaceIndex, TriangleMesh};
+
+mod accessor;
+mod reader;
+mod scene;
+
+pub(super) use reader::parse;
 
 /// Writes the header, the JSON chunk and the binary chunk.
 pub(super) fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> Result<(), MeshWriteError> {
@@ -107,4 +113,4 @@ fn description(mesh: &TriangleMesh) -> Value {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

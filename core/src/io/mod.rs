@@ -1,8 +1,10 @@
-//! Mesh files: OBJ, PLY and OFF in; OBJ, PLY, OFF, STL and GLB out.
+//! Mesh files: OBJ, PLY, OFF, STL and GLB, in and out.
 //!
 //! Guarantees of the readers:
 //! - Vertex `i` of the mesh is vertex `i` of the file, unreferenced and repeated ones included, and faces
-//!   keep the file's order. A polygon becomes triangles in its place; degenerate faces are kept.
+//!   keep the file's order. A polygon becomes triangles in its place; degenerate faces are kept. STL has no
+//!   vertices of its own: they are its distinct positions, in order of first use. Those of GLB follow one
+//!   another as its default scene places them.
 //! - Every coordinate is finite and at most [`LARGEST_COORDINATE`]; every index is in range; there is at
 //!   least one vertex and one face.
 //! - Any file at all gives a mesh or an error, never a panic, in memory proportional to the file's size:
@@ -10,9 +12,10 @@
 //! - An error is one sentence that names the file, the place and the mend.
 //!
 //! Guarantees of the writers: the mesh's own vertex and face order; OBJ, OFF and PLY read back to the
-//! same `f64` positions bit for bit. STL and GLB hold `f32`, as their formats demand.
+//! same `f64` positions bit for bit. STL and GLB hold `f32`, as their formats demand, and read back to that.
 //!
-//! Non-guarantees: colours, normals, texture coordinates, groups and materials are read past and lost.
+//! Non-guarantees: colours, normals, texture coordinates, groups, materials, skins and morph targets are read past
+//! and lost.
 
 mod error;
 mod glb;
@@ -49,15 +52,15 @@ pub enum MeshFormat {
     Ply,
     /// The object file format of Geomview, text.
     Off,
-    /// Stereolithography, binary; written only.
+    /// Stereolithography: text or binary when read, binary when written.
     Stl,
-    /// Binary glTF 2.0; written only.
+    /// Binary glTF 2.0.
     Glb,
 }
 
 impl MeshFormat {
     /// The formats that [`read_mesh`] takes.
-    pub const READABLE: [Self; 3] = [Self::Obj, Self::Ply, Self::Off];
+    pub const READABLE: [Self; 5] = [Self::Obj, Self::Ply, Self::Stl, Self::Glb, Self::Off];
     /// The formats that [`write_mesh`] takes.
     pub const WRITABLE: [Self; 5] = [Self::Obj, Self::Ply, Self::Stl, Self::Glb, Self::Off];
 
@@ -137,9 +140,8 @@ pub fn read_mesh_bytes_while(
         MeshFormat::Obj => obj::parse(bytes, &watch),
         MeshFormat::Ply => ply::parse(bytes, &watch),
         MeshFormat::Off => off::parse(bytes, &watch),
-        MeshFormat::Stl | MeshFormat::Glb => {
-            return Err(MeshFileError::unsupported(name, Some(format.extension())));
-        }
+        MeshFormat::Stl => stl::parse(bytes),
+        MeshFormat::Glb => glb::parse(bytes),
     };
     parsed.map_err(|(place, defect)| match defect {
         Defect::Cancelled => MeshFileError::cancelled(name),

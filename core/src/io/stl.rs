@@ -1,8 +1,8 @@
-//! Binary STL, written only.
+//! Stereolithography: text and binary in, binary out.
 //!
-//! STL holds triangles without shared vertices, in single precision: 50 bytes a face, positions rounded to
+//! STL holds triangles without shared vertices. Written in binary, 50 bytes a face: positions are rounded to
 //! `f32`, unreferenced vertices lost. Normals are those of the faces; a degenerate face has the normal 0,
-//! which readers take as "compute it".
+//! which readers take as "compute it". What is read is in [`reader`].
 
 use std::io::Write;
 
@@ -10,6 +10,10 @@ use glam::DVec3;
 
 use super::MeshWriteError;
 use crate::mesh::{FaceIndex, TriangleMesh};
+
+mod reader;
+
+pub(super) use reader::parse;
 
 /// The 80 bytes before the count. They must not begin with `solid`, which marks the text variant.
 const HEADER: [u8; 80] = {
@@ -43,24 +47,4 @@ pub(super) fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> Result<(), Mesh
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn faces_carry_their_corners_and_normals() {
-        let positions = vec![[0.0, 0.0, 1.5], [2.0, 0.0, 1.5], [0.0, 3.0, 1.5]];
-        let mesh = TriangleMesh { positions, faces: vec![[0, 1, 2], [0, 0, 1]] };
-        let mut bytes = Vec::new();
-        write(&mesh, &mut bytes).unwrap();
-        assert_eq!(bytes.len(), 84 + 2 * 50);
-        assert!(!bytes.starts_with(b"solid"));
-        assert_eq!(bytes[80..84], 2u32.to_le_bytes());
-        let floats = |face: usize| -> Vec<f32> {
-            let record = &bytes[84 + 50 * face..][..48];
-            record.as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect()
-        };
-        assert_eq!(floats(0), [0.0, 0.0, 1.0, 0.0, 0.0, 1.5, 2.0, 0.0, 1.5, 0.0, 3.0, 1.5]);
-        assert_eq!(floats(1)[..3], [0.0; 3]);
-        assert_eq!(bytes[84 + 48..84 + 50], [0, 0]);
-    }
-}
+mod tests;

@@ -79,6 +79,29 @@ fn a_fin_is_cut_off_and_a_shared_vertex_doubled() {
 }
 
 #[test]
+fn fins_leave_no_crack_and_walls_no_slit() {
+    let ball = shapes::subdivide(&shapes::octahedron(), 2);
+    let mut hairy = ball.clone();
+    // Two fins on neighbouring edges: a slit along both would open the ball.
+    let [a, b, c] = hairy.faces[0];
+    for (p, q) in [(a, b), (b, c)] {
+        hairy.positions.push([2.0 + f64::from(q), 2.0, 2.0]);
+        hairy.faces.push([p, q, hairy.positions.len() as u32 - 1]);
+    }
+    let cleaned = checked(&hairy);
+    assert_eq!((cleaned.connectivity.components(), cleaned.connectivity.boundary_loops()), (3, 2));
+    assert_eq!((cleaned.report.cut_edges, cleaned.report.dropped), (2, 0));
+
+    // A sheet that stands on a flat one, from edge to edge: the flat one goes on under it.
+    let at = |x: f64, y: f64, z: f64| [x, y, z];
+    let positions =
+        vec![at(0.0, 0.0, 0.0), at(0.0, 1.0, 0.0), at(1.0, 0.0, 0.0), at(-1.0, 0.0, 0.0), at(0.0, 0.0, 1.0)];
+    let wall = TriangleMesh { positions, faces: vec![[0, 2, 1], [0, 1, 3], [0, 1, 4]] };
+    let cleaned = checked(&wall);
+    assert_eq!((cleaned.connectivity.components(), cleaned.connectivity.faces().len()), (2, 3));
+}
+
+#[test]
 fn a_one_sided_band_is_cut_open() {
     let positions = (0..5)
         .map(|i| {

@@ -4,6 +4,10 @@ use crate::io::tests::written;
 use crate::io::{MeshFormat, write_mesh};
 use crate::mesh::TriangleMesh;
 
+mod reading;
+
+pub(in crate::io) use reading::scenery;
+
 /// The JSON and the binary chunk of a file, whose framing is checked.
 fn chunks(bytes: &[u8]) -> (Value, &[u8]) {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;

@@ -14,13 +14,21 @@ fn seeds() -> Vec<(MeshFormat, Vec<u8>)> {
         property short z\nproperty uchar red\nelement face 2\nproperty list uchar int vertex_indices\n\
         element edge 1\nproperty int a\nend_header\n0 0 0 9\n1 .5 0 9\n1 1. 0 9\n0 1 0 9\n4 0 1 2 3\n3 0 1 2\n7\n";
     let big = ply_big_endian();
+    let stl =
+        b"solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n\
+        endfacet\nendsolid one\nsolid two\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 .5\n\
+        vertex 0 1 -1e-3\nendloop\nendfacet\nendsolid\n";
     let mut seeds = vec![
         (MeshFormat::Obj, obj.to_vec()),
         (MeshFormat::Off, off.to_vec()),
         (MeshFormat::Ply, ply.to_vec()),
         (MeshFormat::Ply, big),
+        (MeshFormat::Stl, stl.to_vec()),
+        (MeshFormat::Glb, crate::io::glb::tests::scenery()),
     ];
-    seeds.extend(MeshFormat::READABLE.map(|format| (format, written(&awkward(), format))));
+    seeds.extend(EXACT.map(|format| (format, written(&awkward(), format))));
+    let small = crate::mesh::shapes::octahedron();
+    seeds.extend([MeshFormat::Stl, MeshFormat::Glb].map(|format| (format, written(&small, format))));
     seeds
 }
 
@@ -88,6 +96,13 @@ fn damage() -> impl Strategy<Value = Damage> {
         "element x 18446744073709551615\n",
         "property list int int q\n",
         "end_header\n",
+        "vertex 1 1 1\n",
+        "endloop\n",
+        "4294967295",
+        "-1e308",
+        ",",
+        "{}",
+        "[]",
         "\u{feff}",
         "\0",
     ]);
@@ -154,7 +169,7 @@ proptest! {
     ) {
         let faces = corners.iter().map(|face| face.map(|corner| corner.index(positions.len()) as u32)).collect();
         let mesh = TriangleMesh { positions, faces };
-        for format in MeshFormat::READABLE {
+        for format in EXACT {
             let read = read_mesh_bytes(format, &written(&mesh, format), "model").unwrap();
             prop_assert_eq!(bits(&read), bits(&mesh));
             prop_assert_eq!(&read.faces, &mesh.faces);
