@@ -84,11 +84,11 @@ impl Collapser {
         Some((quadric.at(plan.place) + ROUNDING, shape))
     }
 
-    /// Collapses an edge if the rules allow it.
+    /// Collapses an edge if the rules allow it, and if there is a map to record it in, if it can be laid out flat.
     pub(super) fn collapse(
         &mut self,
         mesh: &mut WorkingMesh,
-        map: &mut Parameterisation,
+        map: Option<&mut Parameterisation>,
         quadrics: &[Quadric],
         ends: [u32; 2],
         rules: &CollapseRules,
@@ -97,11 +97,13 @@ impl Collapser {
         if least_quality(mesh, &plan, rules).is_none() || !self.lay_out(mesh, &plan) {
             return Attempt::Refused;
         }
-        if !self.flattener.flatten(&self.patches, rules.least_sine) {
-            return Attempt::Refused;
+        if let Some(map) = map {
+            if !self.flattener.flatten(&self.patches, rules.least_sine) {
+                return Attempt::Refused;
+            }
+            let before = self.retired.iter().copied().zip(self.patches.before.iter().copied());
+            map.record(&self.flattener.plane, before, self.patches.after.iter().copied());
         }
-        let before = self.retired.iter().copied().zip(self.patches.before.iter().copied());
-        map.record(&self.flattener.plane, before, self.patches.after.iter().copied());
         mesh.replace(&self.retired, &self.added);
         mesh.positions[plan.kept as usize] = plan.place;
         if mesh.is_boundary(plan.gone) {

@@ -66,8 +66,8 @@ fn try_flip(mesh: &mut WorkingMesh, map: &mut Parameterisation, a: u32, b: u32, 
     };
     let valences = excess(a, 0) + excess(b, 0) + excess(c, 0) + excess(d, 0)
         - (excess(a, -1) + excess(b, -1) + excess(c, 1) + excess(d, 1));
-    let least = [a, b].map(|v| mesh.valence(v) - 1).into_iter().min().unwrap_or(0);
-    if least < 3 && [a, b].iter().any(|&v| !mesh.is_boundary(v)) || least < 2 {
+    // Two faces at a boundary vertex, three at any other; four neighbours are better.
+    if [a, b].iter().any(|&v| mesh.valence(v) <= 3) {
         return false;
     }
     let worse = |one: [DVec3; 3], other: [DVec3; 3]| quality(one).min(quality(other));

@@ -20,6 +20,7 @@ mod pulls;
 mod quadric;
 pub mod remesh;
 mod simplify;
+mod size;
 mod walk;
 mod warp;
 mod working_mesh;

@@ -26,8 +26,7 @@ const INSIDE: [[f64; 3]; 3] =
     [[2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0]];
 
 /// The input, ready for queries.
-pub(super) struct Target<'m> {
-    mesh: &'m TriangleMesh,
+pub(super) struct Target {
     tree: BoundingVolumes,
     normals: Vec<DVec3>,
     samples: Vec<DVec3>,
@@ -125,9 +124,9 @@ impl Fitted {
     }
 }
 
-impl<'m> Target<'m> {
+impl Target {
     /// Prepares the input for a surface of `fitted_faces` faces. `None` without faces.
-    pub(super) fn new(mesh: &'m TriangleMesh, fitted_faces: usize) -> Option<Self> {
+    pub(super) fn new(mesh: &TriangleMesh, fitted_faces: usize) -> Option<Self> {
         let tree = BoundingVolumes::build(mesh)?;
         let corner = |v: u32| DVec3::from(mesh.positions[v as usize]);
         let normals = mesh
@@ -141,7 +140,9 @@ impl<'m> Target<'m> {
         let by_area = (fitted_faces as f64 * SAMPLES_PER_FACE) as usize;
         let mut samples: Vec<DVec3> =
             AreaSampler::new(mesh, by_area as u64, 3).points(0..by_area as u64).collect();
-        samples.extend(mesh.positions.iter().map(|&p| DVec3::from(p)));
+        // Of a much finer input every so many vertices will do.
+        let stride = (mesh.positions.len() / fitted_faces.max(1)).max(1);
+        samples.extend(mesh.positions.iter().step_by(stride).map(|&p| DVec3::from(p)));
         let whole = Fitted::new(mesh.positions.len(), &mesh.faces);
         let segments: Vec<[DVec3; 2]> = whole
             .boundary
@@ -152,7 +153,7 @@ impl<'m> Target<'m> {
             })
             .collect();
         let boundary = curve(segments);
-        Some(Self { mesh, tree, normals, samples, by_area, boundary })
+        Some(Self { tree, normals, samples, by_area, boundary })
     }
 
     /// No sample weighs more than another of its kind.
@@ -197,7 +198,7 @@ impl<'m> Target<'m> {
                 * if is_area {
                     vertices / by_area as f64
                 } else {
-                    VERTEX_WEIGHT * vertices / self.mesh.positions.len() as f64
+                    VERTEX_WEIGHT * vertices / (samples.len() - by_area) as f64
                 };
             squares[0] += if is_area { squared / by_area as f64 } else { 0.0 };
             max = max.max(squared);

@@ -10,10 +10,11 @@ use super::lay_out::{Input, NoLattice, lay_out};
 use super::parameterise::Parameterisation;
 use super::pulls::Target;
 use super::simplify::{Cancelled, simplify};
+use super::size::{Size, affordable};
 use super::walk::Ground;
 use super::working_mesh::WorkingMesh;
 use crate::hierarchy::{Hierarchy, Level, NotABaseMesh};
-use crate::mesh::{CompareError, CompareOptions, Comparison, TriangleMesh, compare};
+use crate::mesh::{CompareError, CompareOptions, Comparison, Connectivity, TriangleMesh, compare};
 use glam::DVec3;
 use thiserror::Error;
 
@@ -24,8 +25,8 @@ pub struct RemeshOptions {
     pub base_faces: Option<usize>,
     /// Levels J; by default chosen from the size of the mesh.
     pub levels: Option<u8>,
-    /// The greatest distance allowed, as a fraction of the bounding-box diagonal; by default none is demanded. It is
-    /// compared with what is measured, in [`Remeshed::tolerance_met`].
+    /// The greatest distance allowed, as a fraction of the bounding-box diagonal; by default none is demanded. Levels and
+    /// base faces that are not given grow until it is met, within bounds; [`Remeshed::tolerance_met`] says whether it is.
     pub tolerance: Option<f64>,
     /// Vertices no further apart than this, in model units, are merged. Default 0: exact duplicates only.
     pub weld: f64,
@@ -95,6 +96,8 @@ impl From<Cancelled> for RemeshError {
 }
 
 /// Converts any mesh. `progress` takes the phase and the fraction of it that is done, and returns whether to go on.
+/// Where a tolerance is demanded, phases are gone through again with more faces until it is met or nothing more is
+/// allowed; the closest result is returned.
 ///
 /// Deterministic at any number of threads. Cost: some 8 s for 100,000 faces on two threads.
 ///
@@ -105,56 +108,127 @@ pub fn remesh(
     options: &RemeshOptions,
     progress: &dyn Fn(Phase, f32) -> bool,
 ) -> Result<Remeshed, RemeshError> {
-    let check = |phase, done| if progress(phase, done) { Ok(()) } else { Err(RemeshError::Cancelled) };
-    check(Phase::Clean, 0.0)?;
+    if !progress(Phase::Clean, 0.0) {
+        return Err(RemeshError::Cancelled);
+    }
     let cleaned = clean(mesh, options.weld).ok_or(RemeshError::Empty)?;
     let input = cleaned.to_mesh();
     let frame = Frame::around(&input).ok_or(RemeshError::Empty)?;
-    let unit = frame.into_unit(&input);
-    let (target, levels) = sizes(&unit, options);
+    let prepared = Prepared::new(frame.into_unit(&input), cleaned.connectivity, progress)?;
+    let mut best: Option<Remeshed> = None;
+    let mut next = Some(Size::first(input.faces.len(), options));
+    while let Some(size) = next {
+        let made = match attempt(&prepared, size, best.is_none() && options.levels.is_none(), progress) {
+            // What was made before stands.
+            Err(RemeshError::TooFine { .. }) if best.is_some() => break,
+            made => made?,
+        };
+        let positions: Vec<[f64; 3]> = made.positions.iter().map(|&p| frame.to_model(p)).collect();
+        let result = TriangleMesh { positions, faces: made.faces };
+        let samples =
+            if options.tolerance.is_some() { CLOSE_SAMPLES } else { CompareOptions::default().samples };
+        let rules = CompareOptions { samples, ..CompareOptions::default() };
+        let measured = compare(&input, &result, &rules, &|done| progress(Phase::Measure, done))?;
+        let size = Size { base_faces: size.base_faces, levels: made.hierarchy.finest().0 };
+        next = options.tolerance.and_then(|tolerance| size.next(measured.max / tolerance, &input, options));
+        if best.as_ref().is_none_or(|best| measured.max < best.measured.max) {
+            best = Some(Remeshed {
+                hierarchy: made.hierarchy,
+                positions: result.positions,
+                cleaned: Vec::new(),
+                measured,
+                tolerance_met: options.tolerance.map(|tolerance| measured.max <= tolerance),
+            });
+        }
+    }
+    let best = best.expect("a first attempt was made");
+    Ok(Remeshed { cleaned: cleaned.report.sentences(), ..best })
+}
 
-    check(Phase::Simplify, 0.0)?;
-    let places = unit.positions.iter().map(|&p| DVec3::from(p)).collect();
-    let mut working = WorkingMesh::new(places, &cleaned.connectivity);
-    let mut map = Parameterisation::new(unit.faces.len() as u32);
+/// Samples on each surface when a greatest distance was promised.
+const CLOSE_SAMPLES: usize = 1_000_000;
+
+/// A cleaned input in a box of diagonal 1, and the surface that is parameterised in its place: itself, or where it is
+/// very large a close one of fewer faces.
+struct Prepared {
+    target: TriangleMesh,
+    ground: TriangleMesh,
+    connectivity: Connectivity,
+}
+
+/// Inputs of more faces are thinned before they are parameterised: what that takes away is far smaller than the faces
+/// of the result, which is fitted to the whole input.
+const LARGEST_GROUND: usize = 250_000;
+
+impl Prepared {
+    fn new(
+        target: TriangleMesh,
+        connectivity: Connectivity,
+        progress: &dyn Fn(Phase, f32) -> bool,
+    ) -> Result<Self, RemeshError> {
+        if target.faces.len() <= LARGEST_GROUND {
+            return Ok(Self { ground: target.clone(), target, connectivity });
+        }
+        let mut working = working_mesh(&target, &connectivity);
+        let density = Density::new(&target, &connectivity, LARGEST_GROUND as f64);
+        simplify(&mut working, None, LARGEST_GROUND, &density, &|done| progress(Phase::Simplify, done))?;
+        let (positions, faces) = working.compact();
+        let connectivity =
+            Connectivity::build(positions.len() as u32, faces).expect("collapses keep a manifold");
+        let positions = positions.iter().map(|p| p.to_array()).collect();
+        let ground = TriangleMesh { positions, faces: connectivity.faces().to_vec() };
+        Ok(Self { target, ground, connectivity })
+    }
+}
+
+fn working_mesh(mesh: &TriangleMesh, connectivity: &Connectivity) -> WorkingMesh {
+    WorkingMesh::new(mesh.positions.iter().map(|&p| DVec3::from(p)).collect(), connectivity)
+}
+
+/// What one attempt makes; positions in the unit box.
+struct Made {
+    hierarchy: Hierarchy,
+    positions: Vec<DVec3>,
+    faces: Vec<[u32; 3]>,
+}
+
+/// The conversion but for cleaning and measuring; with `fewer_levels`, if the base mesh is much larger than aimed at.
+fn attempt(
+    prepared: &Prepared,
+    Size { base_faces: target, levels }: Size,
+    fewer_levels: bool,
+    progress: &dyn Fn(Phase, f32) -> bool,
+) -> Result<Made, RemeshError> {
+    let check = |phase| if progress(phase, 0.0) { Ok(()) } else { Err(RemeshError::Cancelled) };
+    let Prepared { target: input, ground: mesh, connectivity } = prepared;
+    check(Phase::Simplify)?;
+    let mut working = working_mesh(mesh, connectivity);
+    let mut map = Parameterisation::new(mesh.faces.len() as u32);
     open_ears(&mut working, &mut map);
     let wanted = target as f64 * f64::from(4u32.pow(levels.into()));
-    let mut density = Density::new(&unit, &cleaned.connectivity, wanted);
-    simplify(&mut working, &mut map, target, &density, &|done| progress(Phase::Simplify, done))?;
+    let mut density = Density::new(mesh, connectivity, wanted);
+    simplify(&mut working, Some(&mut map), target, &density, &|done| progress(Phase::Simplify, done))?;
     open_ears(&mut working, &mut map);
     flip_edges(&mut working, &mut map);
 
-    check(Phase::Resample, 0.0)?;
+    check(Phase::Resample)?;
     let domain = Domain::new(&working, &map)?;
-    let levels = options.levels.unwrap_or_else(|| affordable(levels, domain.base.faces().len(), unit.faces.len()));
-    let ground = Ground { mesh: &unit, connectivity: &cleaned.connectivity };
-    let laid = lay_out(
-        &Input { mesh: &unit, ground: &ground, domain: &domain },
-        &mut density,
-        Level(levels),
-        &|done| progress(Phase::Relax, done),
-    );
+    let base_faces = domain.base.faces().len();
+    let levels = if fewer_levels { affordable(levels, base_faces, input.faces.len()) } else { levels };
+    let ground = Ground { mesh, connectivity };
+    let laid =
+        lay_out(&Input { mesh, ground: &ground, domain: &domain }, &mut density, Level(levels), &|done| {
+            progress(Phase::Relax, done)
+        });
     let (lattice, places) = laid.map_err(|why| match why {
-        NoLattice::TooFine => RemeshError::TooFine { base_faces: domain.base.faces().len(), levels },
+        NoLattice::TooFine => RemeshError::TooFine { base_faces, levels },
         NoLattice::Cancelled => RemeshError::Cancelled,
     })?;
     let Lattice { hierarchy, fitted, .. } = lattice;
-    let near = Target::new(&unit, fitted.pattern.faces().len()).ok_or(RemeshError::Empty)?;
-    check(Phase::Fit, 0.0)?;
+    let near = Target::new(input, fitted.pattern.faces().len()).ok_or(RemeshError::Empty)?;
+    check(Phase::Fit)?;
     let positions = fit(&near, &fitted, places.at, &FIT, &|done| progress(Phase::Fit, done))?;
-
-    check(Phase::Measure, 0.0)?;
-    let positions: Vec<[f64; 3]> = positions.iter().map(|&p| frame.to_model(p)).collect();
-    let result = TriangleMesh { positions, faces: hierarchy.triangles(Level(levels)) };
-    let measured =
-        compare(&input, &result, &CompareOptions::default(), &|done| progress(Phase::Measure, done))?;
-    Ok(Remeshed {
-        hierarchy,
-        positions: result.positions,
-        cleaned: cleaned.report.sentences(),
-        measured,
-        tolerance_met: options.tolerance.map(|tolerance| measured.max <= tolerance),
-    })
+    Ok(Made { hierarchy, positions, faces: fitted.pattern.faces().to_vec() })
 }
 
 /// On four scans the first two steps take out most of the error, and no step after the sixth any.
@@ -183,33 +257,6 @@ impl Frame {
     fn to_model(self, p: DVec3) -> [f64; 3] {
         (p * self.diagonal + self.centre).to_array()
     }
-}
-
-/// Faces of the finest level by default, for each face of the input.
-const FINENESS: f64 = 2.5;
-/// Levels by default.
-const LEVELS: u8 = 4;
-/// The fewest base faces aimed at by default.
-const FEWEST_BASE_FACES: usize = 200;
-
-/// Base faces and levels from the options and the size of the input.
-fn sizes(mesh: &TriangleMesh, options: &RemeshOptions) -> (usize, u8) {
-    let finest = mesh.faces.len() as f64 * FINENESS;
-    let levels = options.levels.unwrap_or_else(|| {
-        let per_face = finest / options.base_faces.unwrap_or(FEWEST_BASE_FACES) as f64;
-        (0..=LEVELS).rev().find(|&j| f64::from(4u32.pow(j.into())) <= per_face).unwrap_or(0).max(1)
-    });
-    let faces = options.base_faces.unwrap_or((finest / f64::from(4u32.pow(levels.min(12).into()))) as usize);
-    (faces.max(4), levels)
-}
-
-/// How many times the faces aimed at are accepted before levels are left out.
-const MOST_EXCESS: f64 = 4.0;
-
-/// So many levels, or fewer if the base mesh has far more faces than were aimed at, as where components are many.
-fn affordable(levels: u8, base_faces: usize, input_faces: usize) -> u8 {
-    let most = FINENESS * MOST_EXCESS * input_faces as f64 / base_faces as f64;
-    (1..=levels).rev().find(|&j| f64::from(4u32.pow(j.into())) <= most).unwrap_or(levels.min(1))
 }
 
 #[cfg(test)]

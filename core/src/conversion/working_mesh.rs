@@ -32,6 +32,19 @@ impl WorkingMesh {
         Self { positions, live: vec![true; faces.len()], live_count: faces.len(), faces, stars, boundary }
     }
 
+    /// The live faces with their vertices numbered anew, in the same order.
+    pub(super) fn compact(&self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+        let mut number = vec![NONE; self.positions.len()];
+        self.live_faces().flat_map(|f| self.face(f)).for_each(|v| number[v as usize] = 0);
+        let mut positions = Vec::new();
+        for (number, position) in number.iter_mut().zip(&self.positions).filter(|(number, _)| **number == 0) {
+            *number = positions.len() as u32;
+            positions.push(*position);
+        }
+        let faces = self.live_faces().map(|f| self.face(f).map(|v| number[v as usize])).collect();
+        (positions, faces)
+    }
+
     /// Live faces.
     pub(super) fn live_count(&self) -> usize {
         self.live_count
