@@ -21,8 +21,10 @@ const MOST_ROUNDS: f64 = 40.0;
 /// For each vertex how many faces the surface needs there, over the mean.
 #[derive(Debug, Clone)]
 pub(super) struct Density {
-    /// Per vertex; the mean over the area is 1.
+    /// Per vertex; the mean over the area is 1, but for what was asked for since.
     pub(super) at: Vec<f64>,
+    /// Without what was asked for since.
+    own: Vec<f64>,
     /// Area belonging to each vertex, a third of its faces'.
     pub(super) areas: Vec<f64>,
 }
@@ -79,7 +81,7 @@ impl Density {
         if sum > 0.0 {
             at.iter_mut().for_each(|d| *d *= total / sum);
         }
-        Self { at, areas }
+        Self { own: at.clone(), at, areas }
     }
 }
 
@@ -127,7 +129,7 @@ impl Density {
         let mut masses = vec![0.0; self.at.len()];
         for (v, face) in missed.iter().enumerate() {
             let Some(face) = face else { continue };
-            let mass = self.at[v] * self.areas[v];
+            let mass = self.own[v] * self.areas[v];
             for corner in surface.faces[face.0 as usize] {
                 let point = points[corner as usize];
                 for (&w, weight) in mesh.faces[point.face as usize].iter().zip(point.weights) {
@@ -138,8 +140,8 @@ impl Density {
         for _ in 0..FOOT {
             masses = spread(mesh, &masses);
         }
-        for ((at, area), mass) in self.at.iter_mut().zip(&self.areas).zip(masses) {
-            *at += if *area > 0.0 { mass / area } else { 0.0 };
+        for (((at, own), area), mass) in self.at.iter_mut().zip(&self.own).zip(&self.areas).zip(masses) {
+            *at = own + if *area > 0.0 { mass / area } else { 0.0 };
         }
     }
 

@@ -1,7 +1,7 @@
 //! Evening out the parameterisation: every face of `M^J` equilateral and with its part of the density, as nearly as
 //! sliding vertices over the domain can make it.
 //!
-//! Minimises the logarithm of the symmetric Dirichlet energy (Smith & Schaefer 2015) of the map from the equilateral
+//! Minimises the root of the symmetric Dirichlet energy (Smith & Schaefer 2015) of the map from the equilateral
 //! lattice to the input, areas scaled by the density, by slides of one level after another (`warp`): coarse levels
 //! carry what is uneven over long ways. Guarantees: the lattice stays one to one over the domain but for rounding, so
 //! no feature of the input is lost, however small.
@@ -117,7 +117,7 @@ impl Evening<'_> {
         }
         let stride = f64::from(warp.stride);
         for (way, weight) in ways.iter_mut().zip(weights) {
-            // The second derivative of a triangle's logarithm is some three, in steps of the level.
+            // The second derivative of a triangle's root is some three times the root, in steps of the level.
             *way *= -stride * stride / (3.0 * weight).max(1e-300);
         }
         Slope { energy: energy / triangles, ways }
@@ -233,11 +233,12 @@ impl FaceSlope {
         let density = corners.iter().map(|&k| places.density[slots[k] as usize]).sum::<f64>() / 3.0;
         let Distortion { energy, sides: [u, v], by_sides: [by_u, by_v] } =
             distortion(a, b, c, density * scale);
-        self.energy += libm::log(energy * 0.25);
+        let root = (energy * 0.25).sqrt();
+        self.energy += 2.0 * (root - 1.0);
         let up = (v * 2.0 - u) * (0.5 / HEIGHT);
         for (corner, by) in corners.into_iter().zip([-by_u - by_v, by_u, by_v]) {
-            self.gradient[corner] += DVec2::new(by.dot(u), by.dot(up)) * (sense / energy);
-            self.weight[corner] += 1.0;
+            self.gradient[corner] += DVec2::new(by.dot(u), by.dot(up)) * (sense * root / energy);
+            self.weight[corner] += root;
         }
     }
 
