@@ -65,6 +65,10 @@ pub(crate) fn import(
     assert!(converted.positions.iter().flatten().all(|x| x.is_finite()), "positions are finite");
     if converted.measured.is_some() {
         nothing_is_lost(mesh, &figures);
+        if options.levels.is_none() && options.base_faces.is_none() {
+            let finest = figures.base_faces << (2 * figures.levels);
+            assert!(finest <= 10 * mesh.faces.len(), "{finest} faces are out of proportion");
+        }
     }
     let surface = match Surface::from_positions(hierarchy, &converted.positions, &FormOptions::default()) {
         Ok(surface) => surface,
