@@ -14,6 +14,7 @@ mod flatten;
 mod globe;
 mod lattice;
 mod lay_out;
+mod mend;
 mod normal_equations;
 mod parameterise;
 mod pulls;
