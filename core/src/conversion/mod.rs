@@ -17,6 +17,7 @@ mod lay_out;
 mod mend;
 mod normal_equations;
 mod parameterise;
+mod patch;
 mod pulls;
 mod quadric;
 pub mod remesh;
