@@ -4,7 +4,7 @@
 //! Guarantees: the best iterate of the last steps is returned; a step that would turn a face over is not made
 //! there; the same input gives the same result at any number of threads.
 
-use super::normal_equations::{Symmetric, System};
+use super::normal_equations::{FaceBlocks, Symmetric, System};
 use super::pulls::{Boosts, Fitted, Look, Pulls, Target};
 use super::simplify::Cancelled;
 use glam::DVec3;
@@ -38,6 +38,18 @@ const MAX_VALUE: f64 = 0.04;
 /// Factor on the smoothing at the corners of faces that are turned over.
 const UNFOLD: f64 = 5.0;
 
+/// Weight by which a vertex that is not free is held.
+const HELD: f64 = 1e6;
+
+/// What the faces of a fitted surface are like.
+#[derive(Clone, Copy)]
+pub(super) struct Faces<'a> {
+    /// The normal of the input near each.
+    pub(super) normals: &'a [DVec3],
+    /// Whether it is turned over.
+    pub(super) turned: &'a [bool],
+}
+
 /// Fits positions; returns the best iterate: least root mean square, with some regard to the greatest distance.
 ///
 /// # Errors
@@ -70,33 +82,42 @@ pub(super) fn fit(
         if step >= rules.boost_from {
             boost(&mut boosts, &pulls);
         }
-        let delta = solve(fitted, &positions, &pulls, &turned, rules);
+        let faces = Faces { normals: &pulls.normals, turned: &turned };
+        let delta = solve(fitted, &positions, &pulls.face_blocks(), faces, rules.smoothing, &|_| true);
         positions = guarded(fitted, &positions, &delta, &pulls.normals);
     }
     let (_, positions) = best.expect("the last iterate was looked at closely");
     Ok(positions)
 }
 
-fn solve(
+/// One step of every vertex that is `free`.
+pub(super) fn solve(
     fitted: &Fitted,
     positions: &[DVec3],
-    pulls: &Pulls,
-    turned: &[bool],
-    rules: &FitRules,
+    blocks: &[FaceBlocks],
+    faces: Faces,
+    smoothing: f64,
+    free: &(dyn Fn(usize) -> bool + Sync),
 ) -> Vec<DVec3> {
-    let blocks = pulls.face_blocks();
     let own = |v: usize, _: &Symmetric| {
-        let (tangent, to_mean) = along_surface(fitted, positions, &pulls.normals, v);
-        let folded = fitted.pattern.corners(v).iter().any(|&c| turned[c as usize / 3]);
-        let weight = rules.smoothing * if folded { UNFOLD } else { 1.0 };
+        if !free(v) {
+            let mut block = Symmetric::default();
+            block.add(&Symmetric::about(DVec3::Z, 1.0, 1.0), HELD);
+            return (block, DVec3::ZERO);
+        }
+        let (tangent, to_mean) = along_surface(fitted, positions, faces.normals, v);
+        let folded = fitted.pattern.corners(v).iter().any(|&c| faces.turned[c as usize / 3]);
+        let weight = smoothing * if folded { UNFOLD } else { 1.0 };
         let mut block = Symmetric::default();
         block.add(&tangent, weight);
         // A trace across the surface keeps vertices no sample sees in place.
         block.add(&Symmetric::about(DVec3::Z, 1.0, 1.0), 1e-4);
         (block, tangent.times(to_mean) * weight)
     };
-    let system = System::assemble(&fitted.pattern, &blocks, own);
-    system.solve(SOLVER.0, SOLVER.1)
+    let system = System::assemble(&fitted.pattern, blocks, own);
+    let mut delta = system.solve(SOLVER.0, SOLVER.1);
+    delta.iter_mut().enumerate().filter(|(v, _)| !free(*v)).for_each(|(_, d)| *d = DVec3::ZERO);
+    delta
 }
 
 /// The projection onto the directions a vertex may slide in, and the way to the middle of its neighbours.
@@ -140,7 +161,12 @@ pub(super) fn turned_faces(fitted: &Fitted, positions: &[DVec3], normals: &[DVec
 }
 
 /// The positions after a step: shortened to the trust region, and not made where it would turn a face over.
-fn guarded(fitted: &Fitted, positions: &[DVec3], delta: &[DVec3], normals: &[DVec3]) -> Vec<DVec3> {
+pub(super) fn guarded(
+    fitted: &Fitted,
+    positions: &[DVec3],
+    delta: &[DVec3],
+    normals: &[DVec3],
+) -> Vec<DVec3> {
     let mut next: Vec<DVec3> = (0..positions.len())
         .into_par_iter()
         .map(|v| {

@@ -26,12 +26,16 @@ const INSIDE: [[f64; 3]; 3] =
     [[2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0]];
 
 /// The input, ready for queries.
-pub(super) struct Target {
-    tree: BoundingVolumes,
-    normals: Vec<DVec3>,
-    samples: Vec<DVec3>,
+pub(super) struct Target<'m> {
+    pub(super) mesh: &'m TriangleMesh,
+    pub(super) tree: BoundingVolumes,
+    /// Unit normals of its faces.
+    pub(super) normals: Vec<DVec3>,
+    pub(super) samples: Vec<DVec3>,
+    /// For each sample a face it lies on.
+    pub(super) sample_faces: Vec<u32>,
     /// How many of the samples are spread by area; vertices follow.
-    by_area: usize,
+    pub(super) by_area: usize,
     boundary: Option<BoundaryCurve>,
 }
 
@@ -45,12 +49,12 @@ struct BoundaryCurve {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pull {
     /// The face of the fitted surface and the weights of its corners.
-    face: u32,
-    weights: [f64; 3],
+    pub(super) face: u32,
+    pub(super) weights: [f64; 3],
     /// From the point of the fitted surface to where it should be.
-    gap: DVec3,
+    pub(super) gap: DVec3,
     metric: Symmetric,
-    weight: f64,
+    pub(super) weight: f64,
 }
 
 /// All demands at one iterate, and the distances behind them.
@@ -60,10 +64,14 @@ pub(super) struct Pulls {
     starts: Vec<u32>,
     /// Distances of the input's samples.
     pub(super) from_input: Vec<f64>,
+    /// The faces of the fitted surface closest to them.
+    pub(super) hit: Vec<u32>,
     /// Distances of the fitted surface's samples: three in each face, then one at each vertex.
     pub(super) from_fitted: Vec<f64>,
     /// The normal of the input near each face of the fitted surface, not of unit length.
     pub(super) normals: Vec<DVec3>,
+    /// Whether some sample on a face of the fitted surface is closest to where the input faces the other way.
+    pub(super) against: Vec<bool>,
     /// Root mean square, the larger of both ways.
     pub(super) rms: f64,
     /// Greatest distance of any sample.
@@ -124,9 +132,9 @@ impl Fitted {
     }
 }
 
-impl Target {
+impl<'m> Target<'m> {
     /// Prepares the input for a surface of `fitted_faces` faces. `None` without faces.
-    pub(super) fn new(mesh: &TriangleMesh, fitted_faces: usize) -> Option<Self> {
+    pub(super) fn new(mesh: &'m TriangleMesh, fitted_faces: usize) -> Option<Self> {
         let tree = BoundingVolumes::build(mesh)?;
         let corner = |v: u32| DVec3::from(mesh.positions[v as usize]);
         let normals = mesh
@@ -138,11 +146,19 @@ impl Target {
             })
             .collect();
         let by_area = (fitted_faces as f64 * SAMPLES_PER_FACE) as usize;
-        let mut samples: Vec<DVec3> =
-            AreaSampler::new(mesh, by_area as u64, 3).points(0..by_area as u64).collect();
+        let (mut samples, mut sample_faces): (Vec<DVec3>, Vec<u32>) =
+            AreaSampler::new(mesh, by_area as u64, 3)
+                .points_and_faces(0..by_area as u64)
+                .map(|(point, face)| (point, face.0))
+                .unzip();
         // Of a much finer input every so many vertices will do.
         let stride = (mesh.positions.len() / fitted_faces.max(1)).max(1);
         samples.extend(mesh.positions.iter().step_by(stride).map(|&p| DVec3::from(p)));
+        let mut face_of = vec![0; mesh.positions.len()];
+        for (f, face) in mesh.faces.iter().enumerate() {
+            face.iter().for_each(|&v| face_of[v as usize] = f as u32);
+        }
+        sample_faces.extend(face_of.iter().step_by(stride));
         let whole = Fitted::new(mesh.positions.len(), &mesh.faces);
         let segments: Vec<[DVec3; 2]> = whole
             .boundary
@@ -153,7 +169,7 @@ impl Target {
             })
             .collect();
         let boundary = curve(segments);
-        Some(Self { tree, normals, samples, by_area, boundary })
+        Some(Self { mesh, tree, normals, samples, sample_faces, by_area, boundary })
     }
 
     /// No sample weighs more than another of its kind.
@@ -191,6 +207,7 @@ impl Target {
         let mut pulls = Vec::with_capacity(forth.len() + back.len());
         let (mut squares, mut max) = ([0.0; 2], 0.0f64);
         let mut from_input = Vec::with_capacity(forth.len());
+        let mut hit = Vec::with_capacity(forth.len());
         for (k, mut pull) in forth.into_iter().enumerate() {
             let squared = pull.gap.length_squared();
             let is_area = k < by_area;
@@ -203,12 +220,17 @@ impl Target {
             squares[0] += if is_area { squared / by_area as f64 } else { 0.0 };
             max = max.max(squared);
             from_input.push(squared.sqrt());
+            hit.push(pull.face);
             pulls.push(pull);
         }
         let mut normals = vec![DVec3::ZERO; areas.len()];
+        let mut against = vec![false; areas.len()];
         let mut from_fitted = Vec::with_capacity(back.len());
         for (k, (mut pull, normal)) in back.into_iter().enumerate() {
             let squared = pull.gap.length_squared();
+            if k < face_points {
+                against[k / per_face] |= pull.weight == 0.0;
+            }
             pull.weight *= boosts.from_fitted[k]
                 * if k < face_points {
                     normals[k / per_face] += normal;
@@ -226,7 +248,7 @@ impl Target {
         self.boundary_pulls(fitted, positions, &mut pulls);
         let (pulls, starts) = by_face(pulls, areas.len());
         let rms = squares[0].max(squares[1]).sqrt();
-        Pulls { pulls, starts, from_input, from_fitted, normals, rms, max: max.sqrt() }
+        Pulls { pulls, starts, from_input, hit, from_fitted, normals, against, rms, max: max.sqrt() }
     }
 
     fn samples_of_fitted(
@@ -348,20 +370,31 @@ impl Pulls {
             .map(|f| {
                 let mut face = FaceBlocks::default();
                 for pull in &self.pulls[self.starts[f] as usize..self.starts[f + 1] as usize] {
-                    let force = pull.metric.times(pull.gap) * pull.weight;
-                    let mut at = 0;
-                    for a in 0..3 {
-                        face.right[a] += force * pull.weights[a];
-                        for b in a..3 {
-                            face.blocks[at]
-                                .add(&pull.metric, pull.weight * pull.weights[a] * pull.weights[b]);
-                            at += 1;
-                        }
-                    }
+                    pull.add_to(&mut face);
                 }
                 face
             })
             .collect()
+    }
+}
+
+impl Pull {
+    /// A demand of weight 1 of a surface that bends across `normal`.
+    pub(super) fn new(face: u32, weights: [f64; 3], gap: DVec3, normal: DVec3) -> Self {
+        Self { face, weights, gap, metric: Symmetric::about(direction(gap, normal), 1.0, ALONG), weight: 1.0 }
+    }
+
+    /// What it adds to the system.
+    pub(super) fn add_to(&self, face: &mut FaceBlocks) {
+        let force = self.metric.times(self.gap) * self.weight;
+        let mut at = 0;
+        for a in 0..3 {
+            face.right[a] += force * self.weights[a];
+            for b in a..3 {
+                face.blocks[at].add(&self.metric, self.weight * self.weights[a] * self.weights[b]);
+                at += 1;
+            }
+        }
     }
 }
 

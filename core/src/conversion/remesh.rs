@@ -7,6 +7,7 @@ use super::edge_flips::{flip_edges, open_ears};
 use super::fit::{FitRules, fit};
 use super::lattice::Lattice;
 use super::lay_out::{Input, NoLattice, lay_out};
+use super::mend::Mending;
 use super::parameterise::Parameterisation;
 use super::pulls::Target;
 use super::simplify::{Cancelled, simplify};
@@ -227,12 +228,19 @@ fn attempt(
     let Lattice { hierarchy, fitted, .. } = lattice;
     let near = Target::new(input, fitted.pattern.faces().len()).ok_or(RemeshError::Empty)?;
     check(Phase::Fit)?;
-    let positions = fit(&near, &fitted, places.at, &FIT, &|done| progress(Phase::Fit, done))?;
+    let positions =
+        fit(&near, &fitted, places.at.clone(), &FIT, &|done| progress(Phase::Fit, FITTED * done))?;
+    let sheets: Vec<DVec3> = places.points.iter().map(|point| ground.normal(point.face)).collect();
+    let mending = Mending { target: &near, fitted: &fitted, sheets: &sheets, places: &places.at };
+    let positions = mending.run(positions, &|done| progress(Phase::Fit, FITTED + (1.0 - FITTED) * done))?;
     Ok(Made { hierarchy, positions, faces: fitted.pattern.faces().to_vec() })
 }
 
 /// On four scans the first two steps take out most of the error, and no step after the sixth any.
 const FIT: FitRules = FitRules { steps: 6, rough: 3, boost_from: 3, smoothing: 0.015 };
+
+/// What fitting takes of its phase; mending takes the rest.
+const FITTED: f32 = 0.8;
 
 /// Where the model lies; the work is done in a box of diagonal 1 around 0.
 #[derive(Debug, Clone, Copy)]

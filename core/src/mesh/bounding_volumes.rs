@@ -93,6 +93,14 @@ impl BoundingVolumes {
         self.cursor().closest(point)
     }
 
+    fn answer(&self, best: &Best) -> ClosestPoint {
+        ClosestPoint {
+            face: FaceIndex(self.faces[best.slot]),
+            point: best.point.to_array(),
+            squared_distance: best.squared,
+        }
+    }
+
     /// A cursor for a sequence of queries.
     pub fn cursor(&self) -> ClosestPointCursor<'_> {
         ClosestPointCursor { tree: self, slot: None }
@@ -121,17 +129,39 @@ impl ClosestPointCursor<'_> {
         let slot = self.slot.unwrap_or(0);
         let (point, squared) = closest_on_triangle(query, &self.tree.corners[slot]);
         let mut best = Best { slot, point, squared };
-        self.descend(query, &mut best);
+        self.descend(query, &mut best, &|_| true);
         self.slot = Some(best.slot);
-        ClosestPoint {
-            face: FaceIndex(self.tree.faces[best.slot]),
-            point: best.point.to_array(),
-            squared_distance: best.squared,
+        self.tree.answer(&best)
+    }
+
+    /// The point closest to `point` on the faces that `allowed` admits, no further than `within`; `None` if there is
+    /// none. Cost: that of looking at all faces nearer than the answer.
+    pub fn closest_where(
+        &mut self,
+        point: [f64; 3],
+        within: f64,
+        allowed: &impl Fn(FaceIndex) -> bool,
+    ) -> Option<ClosestPoint> {
+        let query = DVec3::from(point);
+        let mut best = Best { slot: usize::MAX, point: query, squared: within * within };
+        if let Some(slot) = self.slot
+            && allowed(FaceIndex(self.tree.faces[slot]))
+        {
+            let (point, squared) = closest_on_triangle(query, &self.tree.corners[slot]);
+            if squared < best.squared {
+                best = Best { slot, point, squared };
+            }
         }
+        self.descend(query, &mut best, allowed);
+        if best.slot == usize::MAX {
+            return None;
+        }
+        self.slot = Some(best.slot);
+        Some(self.tree.answer(&best))
     }
 
     /// Depth first, the nearer box first, leaving out boxes no nearer than the best triangle.
-    fn descend(&self, query: DVec3, best: &mut Best) {
+    fn descend(&self, query: DVec3, best: &mut Best, allowed: &impl Fn(FaceIndex) -> bool) {
         let nodes = &self.tree.nodes;
         let mut aside = [(0u32, 0.0f64); STACK];
         let mut height = 0;
@@ -141,7 +171,7 @@ impl ClosestPointCursor<'_> {
             if bound < best.squared {
                 let node = nodes[index as usize];
                 if node.count > 0 {
-                    self.try_leaf(node, query, best);
+                    self.try_leaf(node, query, best, allowed);
                 } else {
                     let near = (node.first, nodes[node.first as usize].squared_distance(query));
                     let far = (node.first + 1, nodes[node.first as usize + 1].squared_distance(query));
@@ -160,11 +190,11 @@ impl ClosestPointCursor<'_> {
         }
     }
 
-    fn try_leaf(&self, leaf: Node, query: DVec3, best: &mut Best) {
+    fn try_leaf(&self, leaf: Node, query: DVec3, best: &mut Best, allowed: &impl Fn(FaceIndex) -> bool) {
         let first = leaf.first as usize;
         for slot in first..first + leaf.count as usize {
             let (point, squared) = closest_on_triangle(query, &self.tree.corners[slot]);
-            if squared < best.squared {
+            if squared < best.squared && allowed(FaceIndex(self.tree.faces[slot])) {
                 *best = Best { slot, point, squared };
             }
         }

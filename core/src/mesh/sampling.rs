@@ -73,6 +73,14 @@ impl<'m> AreaSampler<'m> {
 
     /// The samples of a range of numbers, in order.
     pub(crate) fn points(&self, numbers: std::ops::Range<u64>) -> impl Iterator<Item = DVec3> {
+        self.points_and_faces(numbers).map(|(point, _)| point)
+    }
+
+    /// The same with the face each lies on.
+    pub(crate) fn points_and_faces(
+        &self,
+        numbers: std::ops::Range<u64>,
+    ) -> impl Iterator<Item = (DVec3, FaceIndex)> {
         let total = self.cumulative.last().copied().unwrap_or(0.0);
         let last = self.cumulative.len() - 1;
         let mut face: Option<usize> = None;
@@ -88,7 +96,8 @@ impl<'m> AreaSampler<'m> {
             face = Some(found);
             let [a, b, c] = self.mesh.corners(FaceIndex(found as u32)).map(DVec3::from);
             let (root, along) = (random.unit().sqrt(), random.unit());
-            a * (1.0 - root) + b * (root * (1.0 - along)) + c * (root * along)
+            let point = a * (1.0 - root) + b * (root * (1.0 - along)) + c * (root * along);
+            (point, FaceIndex(found as u32))
         })
     }
 }

@@ -1,0 +1,179 @@
+//! The worst places of a fit, mended each by itself: faces that are turned over, and where the surfaces are far apart.
+//!
+//! Around each such place some rings of vertices are fitted again, with more samples, the worst weighing ever more. What
+//! a sample is drawn to must face the same way as the sheet it came from: each vertex knows its place on the input, so
+//! the sheets of a thin wall or a tight valley stay apart. Starts from the fit and from the places themselves.
+//!
+//! Guarantees: a place is changed only where that makes it better; vertices on a boundary and those far from all such
+//! places stay; the same input gives the same result at any number of threads.
+
+use super::patch::{POINTS, Patch};
+use super::pulls::{Fitted, Look, Pulls, Target};
+use super::simplify::Cancelled;
+use glam::DVec3;
+
+/// A place is bad from this many times the root mean square on.
+const BAD: f64 = 10.0;
+/// Samples count among the worst of a place from this many times the root mean square on.
+const WORST: f64 = 4.0;
+/// The greatest factor on a worst sample's weight.
+const GREATEST_BOOST: f64 = 3000.0;
+/// Weight of evening out along the surface, against that of the samples.
+const SMOOTHING: f64 = 0.03;
+
+/// One pass over the bad places.
+struct Pass {
+    /// Rings of vertices around what is bad that may move.
+    rings: usize,
+    /// Steps from each start.
+    steps: usize,
+    /// The first from the fit, the second from the true places.
+    starts: usize,
+    /// The smoothing at first: strong enough to unfold. It falls to [`SMOOTHING`] over half of the steps.
+    smoothing: f64,
+}
+
+/// First a little around all; then ever further around what is left, starting from the true places too. On three
+/// scans the greatest distance falls by a third to two thirds, with about as many queries as the fit makes.
+const PASSES: [Pass; 3] = [
+    Pass { rings: 2, steps: 8, starts: 1, smoothing: 0.3 },
+    Pass { rings: 5, steps: 10, starts: 2, smoothing: 1.0 },
+    Pass { rings: 7, steps: 14, starts: 2, smoothing: 1.0 },
+];
+
+/// A part this many times the root mean square bad is left alone.
+const DONE: f64 = 12.0;
+/// A part is mended enough when its score is this many times the root mean square.
+const ENOUGH: f64 = 14.0;
+
+/// What is to be mended.
+pub(super) struct Mending<'a> {
+    pub(super) target: &'a Target<'a>,
+    pub(super) fitted: &'a Fitted,
+    /// The normals of the input at the true places of the vertices.
+    pub(super) sheets: &'a [DVec3],
+    /// These places.
+    pub(super) places: &'a [DVec3],
+}
+
+impl Mending<'_> {
+    /// Mends the bad places of a fit.
+    ///
+    /// # Errors
+    /// The progress function asked to stop.
+    pub(super) fn run(
+        &self,
+        mut positions: Vec<DVec3>,
+        progress: &dyn Fn(f32) -> bool,
+    ) -> Result<Vec<DVec3>, Cancelled> {
+        let pulls = self.target.pulls(self.fitted, &positions, &self.target.boosts(self.fitted), Look::Close);
+        let mut bad = self.bad(&positions, &pulls);
+        for (k, pass) in PASSES.iter().enumerate() {
+            let done = |part: f32| progress((k as f32 + part) / PASSES.len() as f32);
+            bad = self.pass(pass, &mut positions, &pulls, &bad, &done)?;
+        }
+        Ok(positions)
+    }
+
+    /// Mends what lies around `bad` faces; returns those of them where that was not enough.
+    fn pass(
+        &self,
+        pass: &Pass,
+        positions: &mut [DVec3],
+        pulls: &Pulls,
+        bad: &[u32],
+        progress: &dyn Fn(f32) -> bool,
+    ) -> Result<Vec<u32>, Cancelled> {
+        let patch = Patch::around(self, pulls, bad, pass.rings);
+        if patch.own == 0 {
+            return Ok(Vec::new());
+        }
+        let mut best: Vec<DVec3> = patch.vertices.iter().map(|&v| positions[v as usize]).collect();
+        let mut least = vec![f64::INFINITY; patch.parts];
+        let starts = &[&positions[..], self.places][..pass.starts];
+        let mut worst = vec![false; patch.own];
+        let steps = starts.len() * (pass.steps + 1);
+        for (k, start) in starts.iter().enumerate() {
+            let mut at: Vec<DVec3> = (0..patch.vertices.len())
+                .map(|v| if patch.free[v] { start[patch.vertices[v] as usize] } else { best[v] })
+                .collect();
+            let mut boosts = (vec![1.0; patch.samples.len()], vec![1.0; patch.own * POINTS.len()]);
+            for step in 0..=pass.steps {
+                if !progress((k * (pass.steps + 1) + step) as f32 / steps as f32) {
+                    return Err(Cancelled);
+                }
+                let active: Vec<bool> = least.iter().map(|l| *l > DONE * pulls.rms).collect();
+                if !active.contains(&true) {
+                    break;
+                }
+                let look = patch.look(self.target, &at, &active);
+                let scores = look.scores(&patch, pulls.rms);
+                for v in (0..at.len()).filter(|&v| patch.free[v]) {
+                    let part = patch.part[v] as usize;
+                    if scores[part] < least[part] {
+                        best[v] = at[v];
+                    }
+                }
+                for f in 0..patch.own {
+                    let part = patch.face_part[f] as usize;
+                    if scores[part] < least[part] {
+                        worst[f] = look.turned[f] || look.greatest[f] > ENOUGH * pulls.rms;
+                    }
+                }
+                least.iter_mut().zip(&scores).for_each(|(least, score)| *least = least.min(*score));
+                if step == pass.steps {
+                    break;
+                }
+                boost(&mut boosts.0, &look.from_input, pulls.rms);
+                boost(&mut boosts.1, &look.from_fitted, pulls.rms);
+                let fallen = (2.0 * step as f64 / pass.steps as f64).min(1.0);
+                let smoothing = pass.smoothing * libm::pow(SMOOTHING / pass.smoothing, fallen);
+                at = patch.step(&look, &at, &boosts, smoothing, &active);
+                for v in (0..at.len()).filter(|&v| patch.free[v] && !active[patch.part[v] as usize]) {
+                    at[v] = best[v];
+                }
+            }
+        }
+        for (v, &at) in patch.vertices.iter().zip(&best) {
+            positions[*v as usize] = at;
+        }
+        Ok((0..patch.own).filter(|&f| worst[f]).map(|f| patch.faces[f]).collect())
+    }
+
+    /// Faces that are turned over, slivers, and those where the surfaces are far apart.
+    fn bad(&self, positions: &[DVec3], pulls: &Pulls) -> Vec<u32> {
+        let far = BAD * pulls.rms;
+        let mut bad = pulls.against.clone();
+        let faces = self.fitted.pattern.faces();
+        for (f, face) in faces.iter().enumerate() {
+            let [a, b, c] = face.map(|v| positions[v as usize]);
+            let longest =
+                (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+            bad[f] |= (b - a).cross(c - a).length() < SLIVER * longest;
+        }
+        for (distance, &face) in pulls.from_input.iter().zip(&pulls.hit) {
+            bad[face as usize] |= *distance > far;
+        }
+        for (k, distance) in pulls.from_fitted.iter().enumerate() {
+            if *distance > far {
+                let at_vertex = k.checked_sub(3 * faces.len());
+                bad[at_vertex.map_or(k / 3, |v| self.fitted.pattern.corners(v)[0] as usize / 3)] = true;
+            }
+        }
+        (0..faces.len() as u32).filter(|&f| bad[f as usize]).collect()
+    }
+}
+
+/// Twice the area of a sliver is less than this part of its longest side's square.
+const SLIVER: f64 = 0.05;
+
+/// Raises the weights of the worst samples.
+fn boost(boosts: &mut [f64], distances: &[f64], rms: f64) {
+    for (boost, distance) in boosts.iter_mut().zip(distances) {
+        let excess = distance / (WORST * rms);
+        *boost = (*boost * excess.clamp(0.8, 3.0)).clamp(1.0, GREATEST_BOOST);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,65 @@
+use super::*;
+use crate::conversion::fit::turned_faces;
+use crate::mesh::shapes::{octahedron, subdivide};
+use crate::mesh::{BoundingVolumes, TriangleMesh};
+
+/// An ellipsoid around 0 with radii 1, 1 and `height`.
+fn ellipsoid(times: u32, height: f64) -> TriangleMesh {
+    let mut mesh = subdivide(&octahedron(), times);
+    for p in &mut mesh.positions {
+        *p = (DVec3::from(*p).normalize() * DVec3::new(1.0, 1.0, height)).to_array();
+    }
+    mesh
+}
+
+/// Mends a coarse ellipsoid some of whose vertices were moved; returns the places and the result.
+fn mended(height: f64, moved: impl Fn(DVec3) -> DVec3) -> (Vec<DVec3>, Vec<DVec3>, usize) {
+    let (input, coarse) = (ellipsoid(5, height), ellipsoid(4, height));
+    let target = Target::new(&input, coarse.faces.len()).expect("faces");
+    let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
+    let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
+    let tree = BoundingVolumes::build(&input).expect("faces");
+    let normal = |f| {
+        let [a, b, c] = input.corners(f).map(DVec3::from);
+        (b - a).cross(c - a).normalize_or_zero()
+    };
+    let sheets: Vec<DVec3> = coarse.positions.iter().map(|&p| normal(tree.closest(p).face)).collect();
+    let mending = Mending { target: &target, fitted: &fitted, sheets: &sheets, places: &places };
+    let start: Vec<DVec3> = places.iter().map(|&p| moved(p)).collect();
+    let result = mending.run(start, &|_| true).ok().expect("it was not cancelled");
+    let outward: Vec<DVec3> = coarse
+        .faces
+        .iter()
+        .map(|f| {
+            let [a, b, c] = f.map(|v| places[v as usize]);
+            (b - a).cross(c - a)
+        })
+        .collect();
+    let turned = turned_faces(&fitted, &result, &outward).iter().filter(|turned| **turned).count();
+    (places, result, turned)
+}
+
+#[test]
+fn a_fold_is_undone_and_the_rest_stays() {
+    let pole = DVec3::Z;
+    let fold = |p: DVec3| if p.distance(pole) < 1e-9 { DVec3::new(0.25, 0.05, 0.97) } else { p };
+    let (places, result, turned) = mended(1.0, fold);
+    assert_eq!(turned, 0);
+    for (place, at) in places.iter().zip(&result) {
+        assert!((at.length() - 1.0).abs() < 0.01, "{at}");
+        assert!(place.distance(pole) < 1.2 || at == place, "{place} moved to {at}");
+    }
+}
+
+#[test]
+fn sheets_of_a_thin_plate_stay_apart() {
+    // A piece of the upper sheet hangs below the lower one, where everything near faces the other way.
+    let sink = |p: DVec3| if p.z > 0.0 && p.truncate().length() < 0.15 { p - DVec3::Z * 0.025 } else { p };
+    let (places, result, turned) = mended(0.01, sink);
+    assert_eq!(turned, 0);
+    for (place, at) in places.iter().zip(&result) {
+        let height = 0.01 * (1.0 - at.truncate().length_squared()).max(0.0).sqrt();
+        assert!((at.z.abs() - height).abs() < 2e-3, "{place} is at {at}");
+        assert!(place.z.abs() < 1e-3 || place.z * at.z > 0.0, "{place} is at {at}");
+    }
+}
