@@ -1,4 +1,5 @@
-//! Converts a mesh and says how well it went: `convert MODEL BASE_FACES LEVELS OUT.obj` (0 = by default, OUT optional).
+//! Converts a mesh and says how well it went: `convert MODEL BASE_FACES LEVELS OUT.obj SHARP_ANGLE` (0 = by default, the
+//! last two optional).
 
 use bozzetto_core::conversion::remesh::{Phase, RemeshOptions, remesh};
 use bozzetto_core::hierarchy::Level;
@@ -16,6 +17,7 @@ fn main() {
     let options = RemeshOptions {
         base_faces: number(1),
         levels: number(2).map(|n| n as u8),
+        sharp_angle: arguments.get(4).and_then(|a| a.parse().ok()),
         ..RemeshOptions::default()
     };
     let phases: RefCell<Vec<(Phase, Instant)>> = RefCell::new(Vec::new());
@@ -41,7 +43,7 @@ fn main() {
     let valences: Vec<usize> = (0..base.vertex_count()).map(|v| base.fan(v).corners.len()).collect();
     let (low, high) = (valences.iter().min().unwrap_or(&0), valences.iter().max().unwrap_or(&0));
     println!(
-        "{}: {} faces -> {} x 4^{} ({} vertices; V_in {}) genus {} loops {} components {} valence {low}-{high}",
+        "{}: {} faces -> {} x 4^{} ({} vertices; V_in {}) genus {} loops {} components {} valence {low}-{high}, {} sharp",
         arguments[0],
         mesh.faces.len(),
         base.faces().len(),
@@ -50,7 +52,8 @@ fn main() {
         mesh.positions.len(),
         base.genus(),
         base.boundary_loops(),
-        base.components()
+        base.components(),
+        base.sharp_edges().len()
     );
     println!("  {:.2} s: {}; cleaned {:?}", (end - start).as_secs_f64(), timings.join(", "), result.cleaned);
     println!(

@@ -1,10 +1,12 @@
 //! The whole conversion: clean, simplify, resample, fit, measure.
 
 use super::clean::clean;
+use super::creases::Creases;
 use super::density::Density;
 use super::domain::Domain;
 use super::edge_flips::{flip_edges, open_ears};
 use super::fit::{FitRules, fit};
+use super::held::Held;
 use super::lattice::Lattice;
 use super::lay_out::{Input, NoLattice, lay_out};
 use super::parameterise::Parameterisation;
@@ -27,6 +29,9 @@ pub struct RemeshOptions {
     /// The greatest distance allowed, as a fraction of the bounding-box diagonal; by default none is demanded. It is
     /// compared with what is measured, in [`Remeshed::tolerance_met`].
     pub tolerance: Option<f64>,
+    /// Edges whose faces meet at more than this angle become sharp edges of the base mesh; in degrees, 180 for none. By
+    /// default they do on meshes that look made, from 20° or 40°. Corners of the boundary are kept in any case.
+    pub sharp_angle: Option<f64>,
     /// Vertices no further apart than this, in model units, are merged. Default 0: exact duplicates only.
     pub weld: f64,
 }
@@ -115,11 +120,13 @@ pub fn remesh(
 
     check(Phase::Simplify, 0.0)?;
     let places = unit.positions.iter().map(|&p| DVec3::from(p)).collect();
-    let mut working = WorkingMesh::new(places, &cleaned.connectivity);
+    let most_corners = target / FACES_PER_CORNER;
+    let creases = Creases::find(&unit, &cleaned.connectivity, options.sharp_angle, most_corners);
+    let mut working = WorkingMesh::new(places, &cleaned.connectivity).with_creases(creases.clone());
     let mut map = Parameterisation::new(unit.faces.len() as u32);
     open_ears(&mut working, &mut map);
     let wanted = target as f64 * f64::from(4u32.pow(levels.into()));
-    let mut density = Density::new(&unit, &cleaned.connectivity, wanted);
+    let mut density = Density::new(&unit, &cleaned.connectivity, wanted, &creases);
     simplify(&mut working, &mut map, target, &density, &|done| progress(Phase::Simplify, done))?;
     open_ears(&mut working, &mut map);
     flip_edges(&mut working, &mut map);
@@ -137,7 +144,9 @@ pub fn remesh(
         NoLattice::TooFine => RemeshError::TooFine { base_faces: domain.base.faces().len(), levels },
         NoLattice::Cancelled => RemeshError::Cancelled,
     })?;
-    let Lattice { hierarchy, fitted, .. } = lattice;
+    let held = Held::new(&lattice, &domain, &places.at, &unit, &creases);
+    let Lattice { hierarchy, mut fitted, .. } = lattice;
+    fitted.held = held;
     let near = Target::new(&unit, fitted.pattern.faces().len()).ok_or(RemeshError::Empty)?;
     check(Phase::Fit, 0.0)?;
     let positions = fit(&near, &fitted, places.at, &FIT, &|done| progress(Phase::Fit, done))?;
@@ -188,6 +197,8 @@ impl Frame {
 const FINENESS: f64 = 2.5;
 /// Levels by default.
 const LEVELS: u8 = 4;
+/// Base faces there must be for each corner of sharp edges, when no angle is given.
+const FACES_PER_CORNER: usize = 4;
 /// The fewest base faces aimed at by default.
 const FEWEST_BASE_FACES: usize = 200;
 
