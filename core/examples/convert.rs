@@ -1,11 +1,14 @@
-//! Converts a mesh and says how well it went: `convert MODEL BASE_FACES LEVELS OUT.obj` (0 = by default, OUT optional).
+//! Converts a mesh and says how well it went: `convert MODEL BASE_FACES LEVELS OUT.obj SHARP_ANGLE` (0 = by default, the
+//! last two optional).
 
 use bozzetto_core::conversion::remesh::{Phase, RemeshOptions, remesh};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::io;
 use bozzetto_core::mesh::{BoundingVolumes, CompareOptions, FaceIndex, TriangleMesh, compare};
+use bozzetto_core::surface::{FormOptions, Surface};
 use glam::DVec3;
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
@@ -16,6 +19,7 @@ fn main() {
     let options = RemeshOptions {
         base_faces: number(1),
         levels: number(2).map(|n| n as u8),
+        sharp_angle: arguments.get(4).and_then(|a| a.parse().ok()),
         ..RemeshOptions::default()
     };
     let phases: RefCell<Vec<(Phase, Instant)>> = RefCell::new(Vec::new());
@@ -34,6 +38,9 @@ fn main() {
     let timings: Vec<String> =
         phases.windows(2).map(|w| format!("{:?} {:.2}", w[0].0, (w[1].1 - w[0].1).as_secs_f64())).collect();
     let level = result.hierarchy.finest();
+    let surface =
+        Surface::from_positions(result.hierarchy.clone(), &result.positions, &FormOptions::default())
+            .expect("a surface");
     let out = TriangleMesh { positions: result.positions, faces: result.hierarchy.triangles(level) };
     let options = CompareOptions { samples: 1_000_000, seed: 5 };
     let measured = compare(&mesh, &out, &options, &|_| true).expect("a comparison");
@@ -41,7 +48,7 @@ fn main() {
     let valences: Vec<usize> = (0..base.vertex_count()).map(|v| base.fan(v).corners.len()).collect();
     let (low, high) = (valences.iter().min().unwrap_or(&0), valences.iter().max().unwrap_or(&0));
     println!(
-        "{}: {} faces -> {} x 4^{} ({} vertices; V_in {}) genus {} loops {} components {} valence {low}-{high}",
+        "{}: {} faces -> {} x 4^{} ({} vertices; V_in {}) genus {} loops {} components {} valence {low}-{high}, {} sharp",
         arguments[0],
         mesh.faces.len(),
         base.faces().len(),
@@ -50,7 +57,8 @@ fn main() {
         mesh.positions.len(),
         base.genus(),
         base.boundary_loops(),
-        base.components()
+        base.components(),
+        base.sharp_edges().len()
     );
     println!("  {:.2} s: {}; cleaned {:?}", (end - start).as_secs_f64(), timings.join(", "), result.cleaned);
     println!(
@@ -63,6 +71,7 @@ fn main() {
         measured.b_to_a.max
     );
     shape(&mesh, &out);
+    creases(&mesh, &surface);
     if level > Level(0)
         && let Some(path) = arguments.get(3)
     {
@@ -102,4 +111,40 @@ fn shape(mesh: &TriangleMesh, out: &TriangleMesh) {
         100.0 * above,
         100.0 * flips as f64 / out.faces.len() as f64
     );
+}
+
+/// How far the input's edges of more than 20° are from each level: the greatest distance and the root mean square.
+fn creases(mesh: &TriangleMesh, surface: &Surface) {
+    let corner = |v: u32| DVec3::from(mesh.positions[v as usize]);
+    let mut sides: BTreeMap<[u32; 2], Vec<DVec3>> = BTreeMap::new();
+    for face in &mesh.faces {
+        let [a, b, c] = face.map(corner);
+        for k in 0..3 {
+            let (v, w) = (face[k], face[(k + 1) % 3]);
+            sides.entry([v.min(w), v.max(w)]).or_default().push((b - a).cross(c - a));
+        }
+    }
+    let sharp = |normals: &[DVec3]| matches!(normals, [n, m] if n.angle_between(*m) > 20f64.to_radians());
+    let points: Vec<DVec3> = sides
+        .iter()
+        .filter(|(_, normals)| sharp(normals))
+        .flat_map(|(ends, _)| {
+            let [p, q] = ends.map(corner);
+            [p, (p + q) * 0.5]
+        })
+        .collect();
+    if points.is_empty() {
+        return;
+    }
+    let figures: Vec<String> = (0..=surface.finest().0)
+        .map(|level| {
+            let tree = BoundingVolumes::build(&surface.to_mesh(Level(level))).expect("faces");
+            let off =
+                |p: &DVec3| DVec3::from(tree.closest(p.to_array()).point).distance(*p) / mesh.diagonal();
+            let (max, squares) =
+                points.iter().map(off).fold((0.0f64, 0.0), |(max, sum), d| (max.max(d), sum + d * d));
+            format!("{level}: {max:.2e} {:.2e}", (squares / points.len() as f64).sqrt())
+        })
+        .collect();
+    println!("  creases, max and rms by level: {}", figures.join("; "));
 }

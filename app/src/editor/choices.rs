@@ -30,6 +30,8 @@ pub struct ImportChoices {
     pub base_faces: Option<usize>,
     /// The greatest distance allowed, over the diagonal; or none is demanded.
     pub tolerance: Option<f64>,
+    /// The angle in degrees above which edges stay sharp; otherwise they do on meshes that look made.
+    pub sharp_angle: Option<f64>,
     /// Which wavelets.
     pub wavelet: Wavelet,
     /// Bits of precision.
@@ -51,6 +53,7 @@ impl ImportChoices {
             levels: None,
             base_faces: None,
             tolerance: None,
+            sharp_angle: None,
             wavelet: Wavelet::Disc(2),
             precision: DEFAULT_PRECISION,
             up: UpAxis::Y,
@@ -72,9 +75,9 @@ impl ImportChoices {
 
     /// As options of an import.
     pub fn options(&self) -> ImportOptions {
-        let Self { remesh, levels, base_faces, tolerance, wavelet, precision, up, .. } = *self;
+        let Self { remesh, levels, base_faces, tolerance, sharp_angle, wavelet, precision, up, .. } = *self;
         ImportOptions {
-            conversion: ConversionOptions { levels, remesh, base_faces, tolerance },
+            conversion: ConversionOptions { levels, remesh, base_faces, tolerance, sharp_angle },
             form: FormOptions { scheme: Scheme::Linear, wavelet, precision, up, unit: self.unit.clone() },
         }
     }

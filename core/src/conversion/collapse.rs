@@ -60,8 +60,10 @@ pub(super) struct Collapser {
 struct Plan {
     kept: u32,
     gone: u32,
-    /// Whether the edge lies on the boundary.
-    along_boundary: bool,
+    /// Whether the kept vertex stays where it is.
+    stays: bool,
+    /// Where the edge lies on a curve: the vertices of that before the kept one, if that may move, and after the other.
+    along: Option<(Option<u32>, u32)>,
     place: DVec3,
 }
 
@@ -106,6 +108,7 @@ impl Collapser {
         }
         mesh.replace(&self.retired, &self.added);
         mesh.positions[plan.kept as usize] = plan.place;
+        mesh.shorten_crease(plan.kept, plan.gone);
         if mesh.is_boundary(plan.gone) {
             mesh.mark_boundary(plan.kept);
         }
@@ -122,11 +125,14 @@ impl Collapser {
     ) -> Option<Plan> {
         let sides = mesh.sides(a, b);
         let along_boundary = sides.contains(&None);
-        let both_open = mesh.is_boundary(a) && mesh.is_boundary(b);
-        if both_open && !along_boundary {
+        let along_curve = along_boundary || mesh.is_crease(a, b);
+        // One vertex cannot be on two curves, nor in two corners.
+        let apart = mesh.is_on_curve(a) && mesh.is_on_curve(b) && !along_curve;
+        if apart || (mesh.is_corner(a) && mesh.is_corner(b)) {
             return None;
         }
-        let (kept, gone) = if mesh.is_boundary(b) && !mesh.is_boundary(a) { (b, a) } else { (a, b) };
+        let rank = |v: u32| (mesh.is_corner(v), mesh.is_on_curve(v));
+        let (kept, gone) = if rank(b) > rank(a) { (b, a) } else { (a, b) };
         let [near_kept, near_gone] = &mut self.near;
         mesh.neighbours(kept, near_kept);
         mesh.neighbours(gone, near_gone);
@@ -135,13 +141,15 @@ impl Collapser {
         if shared().count() != opposite {
             return None;
         }
-        if along_boundary {
-            // A boundary loop keeps three edges.
-            let [before_a, after_a] = mesh.along_boundary(a);
-            let [before_b, after_b] = mesh.along_boundary(b);
-            if before_a == after_b || after_a == before_b {
-                return None;
-            }
+        let along = along_curve.then(|| {
+            let before = (!mesh.is_corner(kept)).then(|| mesh.beyond(kept, gone));
+            (before, mesh.beyond(gone, kept))
+        });
+        // A round curve keeps three edges, and no face two of a straight one.
+        if let Some((before, after)) = along
+            && (before == Some(after) || shared().any(|&v| v == after || Some(v) == before))
+        {
+            return None;
         }
         // A tetrahedron, or a lone face, stays.
         let ring = near_kept.len() + near_gone.len() - 2 - opposite;
@@ -162,10 +170,11 @@ impl Collapser {
         }
         let thinned =
             |&v: &u32| mesh.valence(v) <= if mesh.is_boundary(v) { rules.least_on_boundary } else { least };
-        if shared().any(thinned) {
+        if shared().any(thinned) || narrows(mesh, [kept, gone], sides, rules) {
             return None;
         }
-        let place = if mesh.is_boundary(kept) && !mesh.is_boundary(gone) {
+        let stays = mesh.is_corner(kept) || (mesh.is_on_curve(kept) && !mesh.is_on_curve(gone));
+        let place = if stays {
             mesh.positions[kept as usize]
         } else {
             let (p, q) = (mesh.positions[kept as usize], mesh.positions[gone as usize]);
@@ -176,7 +185,7 @@ impl Collapser {
                 .filter(|x| x.distance(p + (q - p) * 0.5) <= 1.5 * reach)
                 .unwrap_or_else(|| quadric.minimum_between(p, q))
         };
-        Some(Plan { kept, gone, along_boundary, place })
+        Some(Plan { kept, gone, stays, along, place })
     }
 
     /// Fills the patches before and after. False if there are too many vertices.
@@ -191,11 +200,10 @@ impl Collapser {
         locals.clear();
         locals.extend([plan.kept, plan.gone]);
         patches.positions.extend(locals.iter().map(|&v| mesh.positions[v as usize]));
-        // A vertex on the boundary that swallows one inside does not move and is one vertex, before and after.
-        let stays = mesh.is_boundary(plan.kept) && !mesh.is_boundary(plan.gone);
-        patches.centre = if stays { 0 } else { 2 };
+        // A vertex that stays is one vertex, before and after.
+        patches.centre = if plan.stays { 0 } else { 2 };
         patches.open = mesh.is_boundary(plan.kept);
-        if !stays {
+        if !plan.stays {
             locals.push(u32::MAX);
             patches.positions.push(plan.place);
         }
@@ -223,18 +231,30 @@ impl Collapser {
                 }
             }
         }
-        if plan.along_boundary {
-            let [before, after] = mesh.along_boundary(plan.kept);
-            let (first, second) =
-                if after == plan.gone { (plan.kept, plan.gone) } else { (plan.gone, plan.kept) };
-            debug_assert!(after == plan.gone || before == plan.gone);
-            let ends = [mesh.along_boundary(first)[0], mesh.along_boundary(second)[1]];
-            let [start, end] = ends.map(|v| local(v, locals, &mut patches.positions));
-            let [first, second] = [first, second].map(|v| local(v, locals, &mut patches.positions));
-            patches.straight.extend([start, first, second, patches.centre, end]);
+        if let Some((before, after)) = plan.along {
+            let end = local(after, locals, &mut patches.positions);
+            match before {
+                Some(before) => {
+                    let start = local(before, locals, &mut patches.positions);
+                    // In the sense of the faces.
+                    let forward = mesh.sides(plan.kept, plan.gone)[0].is_some();
+                    let line = if forward { [start, 0, 1, 2, end] } else { [end, 1, 0, 2, start] };
+                    patches.straight.extend(line);
+                }
+                None => patches.straight.extend([0, 1, end]),
+            }
         }
         locals.len() <= LARGEST_PATCH
     }
+}
+
+/// Whether the collapse of an edge would leave too few faces on one side of a sharp curve.
+fn narrows(mesh: &WorkingMesh, ends: [u32; 2], sides: [Option<u32>; 2], rules: &CollapseRules) -> bool {
+    sides.into_iter().flatten().any(|f| {
+        let apex = mesh.face(f).into_iter().find(|v| !ends.contains(v)).expect("a corner off the edge");
+        let through = !mesh.is_corner(apex) && !mesh.crease_ends(apex).is_empty();
+        through && mesh.faces_beside(apex, f) < rules.least_on_boundary
+    })
 }
 
 /// The least quality of the faces after, `None` if one is worse than the rules allow or turns too far.

@@ -35,6 +35,9 @@ pub struct ConversionOptions {
     pub base_faces: Option<usize>,
     /// When the mesh is remeshed: the greatest distance allowed, over the bounding-box diagonal.
     pub tolerance: Option<f64>,
+    /// When the mesh is remeshed: edges sharper than this angle in degrees are kept sharp; by default on meshes that
+    /// look made.
+    pub sharp_angle: Option<f64>,
 }
 
 /// A hierarchy with positions.
@@ -173,8 +176,8 @@ fn remeshed(
     if extent > 0.0 && extent < LEAST_EXTENT {
         return Err(ConversionError::TooSmall);
     }
-    let ConversionOptions { levels, base_faces, tolerance, .. } = *options;
-    let remeshing = RemeshOptions { base_faces, levels, tolerance, ..RemeshOptions::default() };
+    let ConversionOptions { levels, base_faces, tolerance, sharp_angle, .. } = *options;
+    let remeshing = RemeshOptions { base_faces, levels, tolerance, sharp_angle, ..RemeshOptions::default() };
     let made = remesh(mesh, &remeshing, progress)?;
     let (hierarchy, positions, cleaned) = (made.hierarchy, made.positions, made.cleaned);
     Ok(Converted { hierarchy, positions, source: None, cleaned, measured: Some(made.measured) })

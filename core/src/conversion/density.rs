@@ -4,6 +4,7 @@
 //! over a fixed number of faces the sum is least where `A³ H²` is the same for all, that is where each has the same
 //! part of the measure `H^(2/3) dA`.
 
+use super::creases::Creases;
 use super::parameterise::OnFace;
 use crate::mesh::connectivity::{Connectivity, NONE};
 use crate::mesh::{BoundingVolumes, FaceIndex, TriangleMesh};
@@ -30,8 +31,13 @@ pub(super) struct Density {
 }
 
 impl Density {
-    /// The density for an approximation by `faces` faces. Linear in the mesh.
-    pub(super) fn new(mesh: &TriangleMesh, connectivity: &Connectivity, faces: f64) -> Self {
+    /// The density for an approximation by `faces` faces with edges along the creases. Linear in the mesh.
+    pub(super) fn new(
+        mesh: &TriangleMesh,
+        connectivity: &Connectivity,
+        faces: f64,
+        creases: &Creases,
+    ) -> Self {
         let corner = |v: u32| DVec3::from(mesh.positions[v as usize]);
         let doubled: Vec<DVec3> = mesh
             .faces
@@ -52,6 +58,10 @@ impl Density {
                 }
                 let [n, m] = [f, twin as usize / 3].map(|g| doubled[g].normalize_or_zero());
                 let [v, w] = [face[k], face[(k + 1) % 3]];
+                // What edges of the surface lie along costs no faces.
+                if creases.holds(v, w) {
+                    continue;
+                }
                 let bend = n.distance(m) * corner(v).distance(corner(w)) * 0.5;
                 bends[v as usize] += bend;
                 bends[w as usize] += bend;

@@ -33,6 +33,8 @@ pub(super) struct Domain<'m> {
     pub(super) base: Arc<BaseMesh>,
     /// For each face its number in the working mesh, and which corner of that each of its corners is.
     working: Vec<(u32, [u8; 3])>,
+    /// For each vertex whether it keeps its place.
+    pub(super) pinned: Vec<bool>,
     /// Its boundary and sharp edges.
     pub(super) curves: Curves,
     map: &'m Parameterisation,
@@ -52,7 +54,14 @@ impl<'m> Domain<'m> {
             count += 1;
         }
         let numbered = |f: u32| mesh.face(f).map(|v| number[v as usize]);
-        let base = BaseMesh::new(count, mesh.live_faces().map(numbered).collect(), &[])?;
+        let live = (0..number.len() as u32).filter(|&v| number[v as usize] != u32::MAX);
+        let sharp: Vec<[u32; 2]> = live
+            .clone()
+            .flat_map(|v| mesh.crease_ends(v).iter().filter(move |&&w| v < w).map(move |&w| [v, w]))
+            .map(|ends| ends.map(|v| number[v as usize]))
+            .collect();
+        let pinned: Vec<bool> = live.map(|v| mesh.is_corner(v)).collect();
+        let base = BaseMesh::new(count, mesh.live_faces().map(numbered).collect(), &sharp)?;
         let by_corners: FxHashMap<[u32; 3], u32> =
             mesh.live_faces().map(|f| (sorted(numbered(f)), f)).collect();
         let working = base
@@ -64,8 +73,8 @@ impl<'m> Domain<'m> {
                 (f, face.map(|v| own.iter().position(|&w| w == v).expect("the same corners") as u8))
             })
             .collect();
-        let curves = Curves::new(&base, &vec![false; count as usize]);
-        Ok(Self { base: Arc::new(base), working, curves, map })
+        let curves = Curves::new(&base, &pinned);
+        Ok(Self { base: Arc::new(base), working, pinned, curves, map })
     }
 
     /// The point of the input. Cost: that of [`Parameterisation::back`].

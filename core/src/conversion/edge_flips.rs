@@ -38,6 +38,9 @@ pub(super) fn flip_edges(mesh: &mut WorkingMesh, map: &mut Parameterisation) {
 /// Frees boundary vertices that have one face only, which no collapse can remove, by flipping the edge opposite.
 pub(super) fn open_ears(mesh: &mut WorkingMesh, map: &mut Parameterisation) {
     for v in 0..mesh.positions.len() as u32 {
+        if mesh.is_on_curve(v) && !mesh.is_boundary(v) && !mesh.is_corner(v) {
+            open_crease(mesh, map, v);
+        }
         if let &[f] = mesh.star(v) {
             let face = mesh.face(f);
             let k = face.iter().position(|&w| w == v).expect("a star's face holds its vertex");
@@ -46,12 +49,27 @@ pub(super) fn open_ears(mesh: &mut WorkingMesh, map: &mut Parameterisation) {
     }
 }
 
+/// Flips the edge opposite a vertex of a sharp curve that has one face only on a side.
+fn open_crease(mesh: &mut WorkingMesh, map: &mut Parameterisation, v: u32) {
+    let ends = mesh.crease_ends(v);
+    let ear = mesh.star(v).iter().map(|&f| mesh.face(f)).find(|face| ends.iter().all(|w| face.contains(w)));
+    if let Some(face) = ear {
+        let k = face.iter().position(|&w| w == v).expect("a star's face holds its vertex");
+        try_flip(mesh, map, face[(k + 1) % 3], face[(k + 2) % 3], f64::NEG_INFINITY);
+    }
+}
+
 /// Flips the edge from `a` to `b` if it gains at least `least_gain` and the faces unfold to a convex quadrilateral.
 fn try_flip(mesh: &mut WorkingMesh, map: &mut Parameterisation, a: u32, b: u32, least_gain: f64) -> bool {
     let [Some(left), Some(right)] = mesh.sides(a, b) else { return false };
     let [c, d] =
         [left, right].map(|f| mesh.face(f).into_iter().find(|&v| v != a && v != b).expect("a corner"));
-    if mesh.sides(c, d) != [None; 2] {
+    if mesh.sides(c, d) != [None; 2] || mesh.is_crease(a, b) {
+        return false;
+    }
+    // Both edges of a face at a vertex on one straight curve: no.
+    let closes = |v: u32| !mesh.is_corner(v) && mesh.is_crease(v, c) && mesh.is_crease(v, d);
+    if closes(a) || closes(b) {
         return false;
     }
     let [pa, pb, pc, pd] = [a, b, c, d].map(|v| mesh.positions[v as usize]);

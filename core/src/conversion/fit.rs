@@ -112,6 +112,9 @@ pub(super) fn solve(
         block.add(&tangent, weight);
         // A trace across the surface keeps vertices no sample sees in place.
         block.add(&Symmetric::about(DVec3::Z, 1.0, 1.0), 1e-4);
+        if let Some(stiffness) = fitted.held.stiffness(v, positions) {
+            block.add(&stiffness, 1.0);
+        }
         (block, tangent.times(to_mean) * weight)
     };
     let system = System::assemble(&fitted.pattern, blocks, own);
@@ -123,7 +126,7 @@ pub(super) fn solve(
 /// The projection onto the directions a vertex may slide in, and the way to the middle of its neighbours.
 fn along_surface(fitted: &Fitted, positions: &[DVec3], normals: &[DVec3], v: usize) -> (Symmetric, DVec3) {
     let here = positions[v];
-    if let Some([before, after]) = fitted.along_boundary[v] {
+    if let Some([before, after]) = fitted.held.along(v).or(fitted.along_boundary[v]) {
         let (p, q) = (positions[before as usize], positions[after as usize]);
         let tangent = (q - p).normalize_or_zero();
         return (Symmetric::about(tangent, 1.0, 0.0), p + (q - p) * 0.5 - here);
@@ -173,7 +176,7 @@ pub(super) fn guarded(
             let near = fitted.pattern.neighbours(v);
             let mean: f64 = near.iter().map(|&w| positions[w as usize].distance(positions[v])).sum::<f64>()
                 / near.len() as f64;
-            positions[v] + delta[v].clamp_length_max(TRUST * mean)
+            fitted.held.put(v, positions[v], positions[v] + delta[v].clamp_length_max(TRUST * mean))
         })
         .collect();
     let was = turned_faces(fitted, positions, normals);
@@ -194,7 +197,7 @@ pub(super) fn guarded(
         let keep = if round + 2 < GUARD_ROUNDS { 0.4 } else { 0.0 };
         for v in bad {
             let v = v as usize;
-            next[v] = positions[v] + (next[v] - positions[v]) * keep;
+            next[v] = fitted.held.put(v, positions[v], positions[v] + (next[v] - positions[v]) * keep);
         }
     }
     next

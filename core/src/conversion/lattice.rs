@@ -48,7 +48,7 @@ impl Lattice {
                 Address { face, b: b.map(|x| f64::from(x) * scale) }
             })
             .collect();
-        Some(Self::new(hierarchy, addresses))
+        Some(Self::new(domain, hierarchy, addresses))
     }
 
     /// `None` if a lattice of so many levels would have too many vertices.
@@ -56,12 +56,11 @@ impl Lattice {
         Layout::checked(&domain.base, levels).map(|_| ())
     }
 
-    fn new(hierarchy: Hierarchy, addresses: Vec<Address>) -> Self {
+    fn new(domain: &Domain, hierarchy: Hierarchy, addresses: Vec<Address>) -> Self {
         let finest = hierarchy.finest();
         let fitted = Fitted::new(addresses.len(), &hierarchy.triangles(finest));
         let slots = face_slots(hierarchy.layout(finest));
-        let base = hierarchy.base();
-        let curves = Curves::new(base, &vec![false; base.vertex_count() as usize]);
+        let curves = Curves::new(hierarchy.base(), &domain.pinned);
         Self { hierarchy, curves, fitted, addresses, slots }
     }
 
@@ -120,7 +119,7 @@ impl Lattice {
                 middle.unwrap_or(a)
             })
             .collect();
-        Some(Self::new(hierarchy, addresses))
+        Some(Self::new(domain, hierarchy, addresses))
     }
 
     /// The same map over a base mesh with other faces: `old` tells for a new face (its corners) and a point of it
@@ -152,7 +151,7 @@ impl Lattice {
                 self.address(domain, &corners).unwrap_or(self.addresses[corners[0].1])
             })
             .collect();
-        Some(Self::new(hierarchy, addresses))
+        Some(Self::new(domain, hierarchy, addresses))
     }
 }
 

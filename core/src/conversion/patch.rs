@@ -83,7 +83,7 @@ impl Patch {
     pub(super) fn around(mending: &Mending, pulls: &Pulls, bad: &[u32], rings: usize) -> Self {
         let whole = mending.fitted;
         let faces = whole.pattern.faces();
-        let movable = |v: u32| whole.along_boundary[v as usize].is_none();
+        let movable = |v: u32| whole.along_boundary[v as usize].is_none() && whole.held.is_free(v as usize);
         let mut inside = vec![false; whole.pattern.vertices()];
         let mut front: Vec<u32> = bad.iter().flat_map(|&f| faces[f as usize]).collect();
         for _ in 0..rings {

@@ -3,6 +3,7 @@
 //! Boundaries pull apart from the rest: points of one boundary are drawn to the other boundary, in every direction but
 //! along it.
 
+use super::held::Held;
 use super::normal_equations::{FaceBlocks, Pattern, Symmetric};
 use crate::mesh::{AreaSampler, BoundingVolumes, TriangleMesh};
 use glam::DVec3;
@@ -100,6 +101,8 @@ pub(super) struct Fitted {
     boundary: Vec<(u32, usize)>,
     /// For each vertex its neighbours along the boundary, if it lies on one.
     pub(super) along_boundary: Vec<Option<[u32; 2]>>,
+    /// What keeps vertices on sharp edges.
+    pub(super) held: Held,
 }
 
 impl Fitted {
@@ -121,7 +124,7 @@ impl Fitted {
                 }
             }
         }
-        Self { pattern, boundary, along_boundary }
+        Self { pattern, boundary, along_boundary, held: Held::default() }
     }
 
     fn mesh(&self, positions: &[DVec3]) -> TriangleMesh {

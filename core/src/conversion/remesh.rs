@@ -1,10 +1,12 @@
 //! The whole conversion: clean, simplify, resample, fit, measure.
 
 use super::clean::clean;
+use super::creases::Creases;
 use super::density::Density;
 use super::domain::Domain;
 use super::edge_flips::{flip_edges, open_ears};
 use super::fit::{FitRules, fit};
+use super::held::Held;
 use super::lattice::Lattice;
 use super::lay_out::{Input, NoLattice, lay_out};
 use super::mend::Mending;
@@ -29,6 +31,9 @@ pub struct RemeshOptions {
     /// The greatest distance allowed, as a fraction of the bounding-box diagonal; by default none is demanded. Levels and
     /// base faces that are not given grow until it is met, within bounds; [`Remeshed::tolerance_met`] says whether it is.
     pub tolerance: Option<f64>,
+    /// Edges whose faces meet at more than this angle become sharp edges of the base mesh; in degrees, 180 for none. By
+    /// default they do on meshes that look made, from 20° or 40°. Corners of the boundary are kept in any case.
+    pub sharp_angle: Option<f64>,
     /// Vertices no further apart than this, in model units, are merged. Default 0: exact duplicates only.
     pub weld: f64,
 }
@@ -119,7 +124,8 @@ pub fn remesh(
     let mut best: Option<Remeshed> = None;
     let mut next = Some(Size::first(input.faces.len(), options));
     while let Some(size) = next {
-        let made = match attempt(&prepared, size, best.is_none() && options.levels.is_none(), progress) {
+        let fewer_levels = best.is_none() && options.levels.is_none();
+        let made = match attempt(&prepared, size, fewer_levels, options.sharp_angle, progress) {
             // What was made before stands.
             Err(RemeshError::TooFine { .. }) if best.is_some() => break,
             made => made?,
@@ -146,6 +152,8 @@ pub fn remesh(
     Ok(Remeshed { cleaned: cleaned.report.sentences(), ..best })
 }
 
+/// Base faces there must be for each corner of sharp edges, when no angle is given.
+const FACES_PER_CORNER: usize = 4;
 /// Samples on each surface when a greatest distance was promised.
 const CLOSE_SAMPLES: usize = 1_000_000;
 
@@ -171,7 +179,7 @@ impl Prepared {
             return Ok(Self { ground: target.clone(), target, connectivity });
         }
         let mut working = working_mesh(&target, &connectivity);
-        let density = Density::new(&target, &connectivity, LARGEST_GROUND as f64);
+        let density = Density::new(&target, &connectivity, LARGEST_GROUND as f64, &Creases::default());
         simplify(&mut working, None, LARGEST_GROUND, &density, &|done| progress(Phase::Simplify, done))?;
         let (positions, faces) = working.compact();
         let connectivity =
@@ -198,16 +206,19 @@ fn attempt(
     prepared: &Prepared,
     Size { base_faces: target, levels }: Size,
     fewer_levels: bool,
+    sharp_angle: Option<f64>,
     progress: &dyn Fn(Phase, f32) -> bool,
 ) -> Result<Made, RemeshError> {
     let check = |phase| if progress(phase, 0.0) { Ok(()) } else { Err(RemeshError::Cancelled) };
     let Prepared { target: input, ground: mesh, connectivity } = prepared;
     check(Phase::Simplify)?;
-    let mut working = working_mesh(mesh, connectivity);
+    let most_corners = target / FACES_PER_CORNER;
+    let creases = Creases::find(mesh, connectivity, sharp_angle, most_corners);
+    let mut working = working_mesh(mesh, connectivity).with_creases(creases.clone());
     let mut map = Parameterisation::new(mesh.faces.len() as u32);
     open_ears(&mut working, &mut map);
     let wanted = target as f64 * f64::from(4u32.pow(levels.into()));
-    let mut density = Density::new(mesh, connectivity, wanted);
+    let mut density = Density::new(mesh, connectivity, wanted, &creases);
     simplify(&mut working, Some(&mut map), target, &density, &|done| progress(Phase::Simplify, done))?;
     open_ears(&mut working, &mut map);
     flip_edges(&mut working, &mut map);
@@ -225,7 +236,9 @@ fn attempt(
         NoLattice::TooFine => RemeshError::TooFine { base_faces, levels },
         NoLattice::Cancelled => RemeshError::Cancelled,
     })?;
-    let Lattice { hierarchy, fitted, .. } = lattice;
+    let held = Held::new(&lattice, &domain, &places.at, mesh, &creases);
+    let Lattice { hierarchy, mut fitted, .. } = lattice;
+    fitted.held = held;
     let near = Target::new(input, fitted.pattern.faces().len()).ok_or(RemeshError::Empty)?;
     check(Phase::Fit)?;
     let positions =

@@ -47,7 +47,7 @@ const LADDER: [CollapseRules; 4] = [
     },
 ];
 
-/// Weight of the planes that hold the boundary, against those of the faces.
+/// Weight of the planes that hold the boundary and sharp edges, against those of the faces.
 const BOUNDARY_WEIGHT: f64 = 10.0;
 /// Weight of the squared distance from the vertices gone by, against that of the planes: in flat regions it orders
 /// the collapses and keeps the faces even.
@@ -191,7 +191,8 @@ fn quadrics(mesh: &WorkingMesh) -> Vec<Quadric> {
         }
         for k in 0..3 {
             let (v, w) = (face[k], face[(k + 1) % 3]);
-            if mesh.is_boundary(v) && mesh.is_boundary(w) && mesh.sides(v, w)[1].is_none() {
+            let on_boundary = mesh.is_boundary(v) && mesh.is_boundary(w) && mesh.sides(v, w)[1].is_none();
+            if on_boundary || mesh.is_crease(v, w) {
                 let (p, q) = (mesh.positions[v as usize], mesh.positions[w as usize]);
                 let side = (q - p).cross(normal).normalize_or_zero();
                 let weight = BOUNDARY_WEIGHT * p.distance_squared(q);

@@ -3,6 +3,7 @@
 //! Guarantees: oriented, manifold and simplicial after every step that [`WorkingMesh::replace`] makes with patches
 //! that keep it so. Non-guarantees: replace checks nothing; the callers do.
 
+use super::creases::Creases;
 use crate::mesh::connectivity::{Connectivity, NONE};
 use glam::DVec3;
 
@@ -15,6 +16,7 @@ pub(super) struct WorkingMesh {
     live: Vec<bool>,
     stars: Vec<Vec<u32>>,
     boundary: Vec<bool>,
+    creases: Creases,
     live_count: usize,
 }
 
@@ -29,7 +31,22 @@ impl WorkingMesh {
         let boundary = (0..positions.len() as u32)
             .map(|v| connectivity.outgoing(v) != NONE && connectivity.is_boundary(v))
             .collect();
-        Self { positions, live: vec![true; faces.len()], live_count: faces.len(), faces, stars, boundary }
+        let creases =
+            Creases { ends: vec![Vec::new(); positions.len()], corners: vec![false; positions.len()] };
+        Self {
+            positions,
+            live: vec![true; faces.len()],
+            live_count: faces.len(),
+            faces,
+            stars,
+            boundary,
+            creases,
+        }
+    }
+
+    /// The same mesh with sharp edges and corners.
+    pub(super) fn with_creases(self, creases: Creases) -> Self {
+        Self { creases, ..self }
     }
 
     /// The live faces with their vertices numbered anew, in the same order.
@@ -73,6 +90,65 @@ impl WorkingMesh {
     /// Whether the vertex lies on the boundary.
     pub(super) fn is_boundary(&self, vertex: u32) -> bool {
         self.boundary[vertex as usize]
+    }
+
+    /// Whether the vertex lies on the boundary or on a sharp edge.
+    pub(super) fn is_on_curve(&self, vertex: u32) -> bool {
+        self.is_boundary(vertex) || !self.creases.ends[vertex as usize].is_empty()
+    }
+
+    /// Whether the vertex keeps its place.
+    pub(super) fn is_corner(&self, vertex: u32) -> bool {
+        self.creases.corners[vertex as usize]
+    }
+
+    /// The other ends of a vertex's sharp edges.
+    pub(super) fn crease_ends(&self, vertex: u32) -> &[u32] {
+        &self.creases.ends[vertex as usize]
+    }
+
+    /// Whether the edge is sharp.
+    pub(super) fn is_crease(&self, a: u32, b: u32) -> bool {
+        self.creases.holds(a, b)
+    }
+
+    /// The next vertex along the curve through a vertex that is no corner, away from `from`.
+    pub(super) fn beyond(&self, vertex: u32, from: u32) -> u32 {
+        let pair = match self.creases.ends[vertex as usize][..] {
+            [a, b] => [a, b],
+            _ => self.along_boundary(vertex),
+        };
+        if pair[0] == from { pair[1] } else { pair[0] }
+    }
+
+    /// The faces of an interior vertex on the side of a curve through it on which `face` lies; all if there is no curve.
+    pub(super) fn faces_beside(&self, vertex: u32, face: u32) -> usize {
+        let mut count = 1;
+        for back in [false, true] {
+            let mut at = face;
+            for _ in 0..self.star(vertex).len() {
+                let corners = self.face(at);
+                let k = corners.iter().position(|&v| v == vertex).expect("a face of the vertex");
+                let other = corners[(k + if back { 1 } else { 2 }) % 3];
+                let [out, into] = self.sides(vertex, other);
+                match if back { into } else { out } {
+                    Some(next) if next != face && !self.is_crease(vertex, other) => at = next,
+                    _ => break,
+                }
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// Lets a vertex of a sharp curve be gone: its edge to `kept` is no more, and `kept` takes its place in the other.
+    pub(super) fn shorten_crease(&mut self, kept: u32, gone: u32) {
+        let pair = std::mem::take(&mut self.creases.ends[gone as usize]);
+        let Some(&next) = pair.iter().find(|&&w| w != kept) else { return };
+        for (v, new) in [(kept, next), (next, kept)] {
+            let ends = &mut self.creases.ends[v as usize];
+            ends.iter_mut().filter(|end| **end == gone).for_each(|end| *end = new);
+        }
     }
 
     /// Where the corners of a face are.

@@ -24,6 +24,7 @@ pub(crate) fn case(seed: u64) -> (TriangleMesh, ConversionOptions) {
         remesh: if numbers.below(4) == 0 { Remesh::Always } else { Remesh::Auto },
         base_faces: (numbers.below(3) == 0).then(|| 4 + numbers.below(300) as usize),
         tolerance: None,
+        sharp_angle: None,
     };
     (mesh, options)
 }

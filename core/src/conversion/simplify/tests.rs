@@ -1,4 +1,5 @@
 use super::*;
+use crate::conversion::creases::Creases;
 use crate::mesh::{TriangleMesh, shapes};
 use glam::DVec3;
 
@@ -9,7 +10,7 @@ pub(crate) fn simplified(mesh: &TriangleMesh, target: usize) -> (Parameterisatio
     let positions = mesh.positions.iter().map(|&p| DVec3::from(p)).collect();
     let mut working = WorkingMesh::new(positions, &connectivity);
     let mut map = Parameterisation::new(mesh.faces.len() as u32);
-    let density = Density::new(mesh, &connectivity, 64.0 * target as f64);
+    let density = Density::new(mesh, &connectivity, 64.0 * target as f64, &Creases::default());
     simplify(&mut working, Some(&mut map), target, &density, &|_| true).expect("not cancelled");
     (map, working)
 }
@@ -41,6 +42,6 @@ fn it_can_be_stopped() {
     let positions = mesh.positions.iter().map(|&p| DVec3::from(p)).collect();
     let mut working = WorkingMesh::new(positions, &connectivity);
     let mut map = Parameterisation::new(mesh.faces.len() as u32);
-    let density = Density::new(&mesh, &connectivity, 64.0);
+    let density = Density::new(&mesh, &connectivity, 64.0, &Creases::default());
     assert_eq!(simplify(&mut working, Some(&mut map), 8, &density, &|done| done < 0.5), Err(Cancelled));
 }

@@ -1,0 +1,128 @@
+//! Vertices of a fitted surface that stay on the input's sharp edges: those on marked edges slide along the chain they
+//! lie on, those in corners stay.
+
+use super::creases::Creases;
+use super::domain::Domain;
+use super::lattice::Lattice;
+use super::normal_equations::Symmetric;
+use crate::hierarchy::{Layout, Site, Slot};
+use crate::mesh::{BoundingVolumes, TriangleMesh};
+use glam::DVec3;
+
+/// Weight of leaving the curve, against that of the samples.
+const STIFF: f64 = 1e4;
+
+/// Where one vertex may go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Hold {
+    Free,
+    /// Along a chain; with its neighbours on it.
+    Along {
+        chain: u32,
+        near: [u32; 2],
+    },
+    Fixed,
+}
+
+/// What holds the vertices of a fitted surface; nothing by default.
+#[derive(Default)]
+pub(super) struct Held {
+    /// By vertex; empty if all are free.
+    holds: Vec<Hold>,
+    chains: Vec<BoundingVolumes>,
+}
+
+impl Held {
+    /// The vertices of a lattice by its base mesh's marks, with `places` on the input.
+    pub(super) fn new(
+        lattice: &Lattice,
+        domain: &Domain,
+        places: &[DVec3],
+        mesh: &TriangleMesh,
+        creases: &Creases,
+    ) -> Self {
+        let rows = creases.chains();
+        let of_segment: Vec<u32> =
+            rows.iter().zip(0..).flat_map(|(row, chain)| vec![chain; row.len() - 1]).collect();
+        let base = lattice.hierarchy.base();
+        let layout = lattice.layout();
+        let mut held = Self { holds: vec![Hold::Free; places.len()], chains: Vec::new() };
+        for v in (0..base.vertex_count()).filter(|&v| domain.pinned[v as usize]) {
+            held.holds[layout.slot(Site::Base(v)).index()] = Hold::Fixed;
+        }
+        let Some(tree) = curves(mesh, &rows) else { return held };
+        held.chains = rows.chunks(1).filter_map(|row| curves(mesh, row)).collect();
+        for edge in (0..base.edges().len() as u32).filter(|&e| base.is_sharp(e)) {
+            let n = layout.segments();
+            let slot = |t: u32| layout.slot(layout.along_edge(edge, t));
+            let middle = places[slot(n / 2).index()] + places[slot(n.div_ceil(2)).index()];
+            let chain = of_segment[tree.closest((middle * 0.5).to_array()).face.0 as usize];
+            for t in 1..n {
+                held.holds[slot(t).index()] = Hold::Along { chain, near: [slot(t - 1).0, slot(t + 1).0] };
+            }
+            for v in base.edges()[edge as usize] {
+                held.holds[layout.slot(Site::Base(v)).index()] = match lattice.curves.through(v) {
+                    Some(edges) => Hold::Along { chain, near: edges.map(|e| next_to(layout, v, e).0) },
+                    None => Hold::Fixed,
+                };
+            }
+        }
+        held
+    }
+
+    fn hold(&self, v: usize) -> Hold {
+        self.holds.get(v).copied().unwrap_or(Hold::Free)
+    }
+
+    /// Whether a vertex may go anywhere.
+    pub(super) fn is_free(&self, v: usize) -> bool {
+        self.hold(v) == Hold::Free
+    }
+
+    /// Neighbours of a vertex along its chain, if it is held to one.
+    pub(super) fn along(&self, v: usize) -> Option<[u32; 2]> {
+        if let Hold::Along { near, .. } = self.hold(v) { Some(near) } else { None }
+    }
+
+    /// What keeps a vertex from leaving its curve or corner, to be added to its block.
+    pub(super) fn stiffness(&self, v: usize, positions: &[DVec3]) -> Option<Symmetric> {
+        let tangent = match self.hold(v) {
+            Hold::Free => return None,
+            Hold::Fixed => return Some(Symmetric::about(DVec3::Z, STIFF, STIFF)),
+            Hold::Along { near: [p, q], .. } => positions[q as usize] - positions[p as usize],
+        };
+        Some(match tangent.try_normalize() {
+            Some(tangent) => Symmetric::about(tangent, 0.0, STIFF),
+            None => Symmetric::about(DVec3::Z, STIFF, STIFF),
+        })
+    }
+
+    /// Where a vertex that would go from one place to another may go.
+    pub(super) fn put(&self, v: usize, from: DVec3, to: DVec3) -> DVec3 {
+        match self.hold(v) {
+            Hold::Free => to,
+            Hold::Fixed => from,
+            Hold::Along { chain, .. } => self.chains[chain as usize].closest(to.to_array()).point.into(),
+        }
+    }
+}
+
+/// Rows of vertices as segments that can be asked for closest points; `None` without rows.
+fn curves(mesh: &TriangleMesh, rows: &[Vec<u32>]) -> Option<BoundingVolumes> {
+    let positions = rows.iter().flatten().map(|&v| mesh.positions[v as usize]).collect();
+    let mut faces = Vec::new();
+    let mut first = 0;
+    for row in rows {
+        let last = first + row.len() as u32;
+        // Triangles without area are answered as segments.
+        faces.extend((first + 1..last).map(|k| [k - 1, k, k]));
+        first = last;
+    }
+    BoundingVolumes::build(&TriangleMesh { positions, faces })
+}
+
+/// The vertex next to a base vertex on one of its edges.
+fn next_to(layout: &Layout, v: u32, edge: u32) -> Slot {
+    let low = layout.base().edges()[edge as usize][0] == v;
+    layout.slot(layout.along_edge(edge, if low { 1 } else { layout.segments() - 1 }))
+}
