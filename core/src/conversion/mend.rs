@@ -66,7 +66,9 @@ impl Mending<'_> {
         mut positions: Vec<DVec3>,
         progress: &dyn Fn(f32) -> bool,
     ) -> Result<Vec<DVec3>, Cancelled> {
-        let pulls = self.target.pulls(self.fitted, &positions, &self.target.boosts(self.fitted), Look::Close);
+        let boosts = self.target.boosts(self.fitted);
+        let go_on = || progress(0.0);
+        let pulls = self.target.pulls(self.fitted, &positions, &boosts, Look::Close, &go_on)?;
         let mut bad = self.bad(&positions, &pulls);
         for (k, pass) in PASSES.iter().enumerate() {
             let done = |part: f32| progress((k as f32 + part) / PASSES.len() as f32);

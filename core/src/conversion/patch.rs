@@ -275,15 +275,23 @@ impl Patch {
         }
         let turned = turned_faces(&self.fitted, at, &look.normals);
         let faces = Faces { normals: &look.normals, turned: &turned };
-        let delta = solve(&self.fitted, at, &blocks, faces, smoothing, &|v| {
-            self.free[v] && active[self.part[v] as usize]
-        });
+        let delta = solve(
+            &self.fitted,
+            at,
+            &blocks,
+            faces,
+            smoothing,
+            &|v| self.free[v] && active[self.part[v] as usize],
+            &|| true,
+        )
+        .ok()
+        .expect("nobody asked to stop");
         guarded(&self.fitted, at, &delta, &look.normals)
     }
 }
 
 impl Nearest {
-    /// How bad each part is.
+    /// How bad each part is that is still worked on; the others are infinitely bad.
     pub(super) fn scores(&self, patch: &Patch, rms: f64, active: &[bool]) -> Vec<f64> {
         let mut greatest = vec![0.0f64; patch.parts];
         let mut sums = vec![(0.0, 0.0); patch.parts];
@@ -303,7 +311,12 @@ impl Nearest {
             self.from_fitted[f * POINTS.len()..(f + 1) * POINTS.len()].iter().for_each(|&d| count(part, d));
         }
         (0..patch.parts)
-            .map(|p| greatest[p].max(FINE * rms) + TURNED * rms * turned[p] + (sums[p].0 / sums[p].1).sqrt())
+            .map(|p| {
+                if !active[p] {
+                    return f64::INFINITY;
+                }
+                greatest[p].max(FINE * rms) + TURNED * rms * turned[p] + (sums[p].0 / sums[p].1).sqrt()
+            })
             .collect()
     }
 }
