@@ -101,7 +101,8 @@ impl Mending<'_> {
                 .collect();
             let mut boosts = (vec![1.0; patch.samples.len()], vec![1.0; patch.own * POINTS.len()]);
             for step in 0..=pass.steps {
-                if !progress((k * (pass.steps + 1) + step) as f32 / steps as f32) {
+                let go_on = || progress((k * (pass.steps + 1) + step) as f32 / steps as f32);
+                if !go_on() {
                     return Err(Cancelled);
                 }
                 let active: Vec<bool> = least.iter().map(|l| *l > DONE * pulls.rms).collect();
@@ -116,10 +117,10 @@ impl Mending<'_> {
                         best[v] = at[v];
                     }
                 }
-                for f in 0..patch.own {
+                for (f, worst) in worst.iter_mut().enumerate() {
                     let part = patch.face_part[f] as usize;
                     if scores[part] < least[part] {
-                        worst[f] = look.turned[f] || look.greatest[f] > ENOUGH * pulls.rms;
+                        *worst = look.turned[f] || look.greatest[f] > ENOUGH * pulls.rms;
                     }
                 }
                 least.iter_mut().zip(&scores).for_each(|(least, score)| *least = least.min(*score));
@@ -130,7 +131,7 @@ impl Mending<'_> {
                 boost(&mut boosts.1, &look.from_fitted, pulls.rms);
                 let fallen = (2.0 * step as f64 / pass.steps as f64).min(1.0);
                 let smoothing = pass.smoothing * libm::pow(SMOOTHING / pass.smoothing, fallen);
-                at = patch.step(&look, &at, &boosts, smoothing, &active);
+                at = patch.step(&look, &at, &boosts, smoothing, &active, &go_on)?;
                 for v in (0..at.len()).filter(|&v| patch.free[v] && !active[patch.part[v] as usize]) {
                     at[v] = best[v];
                 }

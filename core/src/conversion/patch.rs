@@ -6,6 +6,7 @@ use super::fit::{Faces, guarded, solve, turned_faces};
 use super::mend::Mending;
 use super::normal_equations::FaceBlocks;
 use super::pulls::{Fitted, Pull, Pulls, Target, barycentric};
+use super::simplify::Cancelled;
 use crate::mesh::{BoundingVolumes, FaceIndex, TriangleMesh};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -254,6 +255,9 @@ impl Patch {
     }
 
     /// The positions after a step.
+    ///
+    /// # Errors
+    /// `go_on` answered no.
     pub(super) fn step(
         &self,
         look: &Nearest,
@@ -261,7 +265,8 @@ impl Patch {
         boosts: &(Vec<f64>, Vec<f64>),
         smoothing: f64,
         active: &[bool],
-    ) -> Vec<DVec3> {
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Vec<DVec3>, Cancelled> {
         let n = self.vertices.len() as f64;
         let shares = [n / boosts.0.len() as f64, n / boosts.1.len() as f64];
         let mut blocks = vec![FaceBlocks::default(); self.fitted.pattern.faces().len()];
@@ -282,11 +287,9 @@ impl Patch {
             faces,
             smoothing,
             &|v| self.free[v] && active[self.part[v] as usize],
-            &|| true,
-        )
-        .ok()
-        .expect("nobody asked to stop");
-        guarded(&self.fitted, at, &delta, &look.normals)
+            go_on,
+        )?;
+        Ok(guarded(&self.fitted, at, &delta, &look.normals))
     }
 }
 
