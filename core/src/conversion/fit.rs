@@ -65,11 +65,9 @@ pub(super) fn fit(
     let mut positions = start;
     let mut best: Option<(f64, Vec<DVec3>)> = None;
     for step in 0..=rules.steps {
-        if !progress(step as f32 / (rules.steps + 1) as f32) {
-            return Err(Cancelled);
-        }
+        let go_on = || progress(step as f32 / (rules.steps + 1) as f32);
         let look = if step < rules.rough { Look::Rough } else { Look::Close };
-        let pulls = target.pulls(fitted, &positions, &boosts, look);
+        let pulls = target.pulls(fitted, &positions, &boosts, look, &go_on)?;
         let turned = turned_faces(fitted, &positions, &pulls.normals);
         let folds = turned.iter().filter(|turned| **turned).count();
         let score = pulls.rms + MAX_VALUE * pulls.max + folds as f64 * 1e-6;
@@ -83,7 +81,8 @@ pub(super) fn fit(
             boost(&mut boosts, &pulls);
         }
         let faces = Faces { normals: &pulls.normals, turned: &turned };
-        let delta = solve(fitted, &positions, &pulls.face_blocks(), faces, rules.smoothing, &|_| true);
+        let delta =
+            solve(fitted, &positions, &pulls.face_blocks(), faces, rules.smoothing, &|_| true, &go_on)?;
         positions = guarded(fitted, &positions, &delta, &pulls.normals);
     }
     let (_, positions) = best.expect("the last iterate was looked at closely");
@@ -91,6 +90,9 @@ pub(super) fn fit(
 }
 
 /// One step of every vertex that is `free`.
+///
+/// # Errors
+/// `go_on` answered no.
 pub(super) fn solve(
     fitted: &Fitted,
     positions: &[DVec3],
@@ -98,7 +100,8 @@ pub(super) fn solve(
     faces: Faces,
     smoothing: f64,
     free: &(dyn Fn(usize) -> bool + Sync),
-) -> Vec<DVec3> {
+    go_on: &dyn Fn() -> bool,
+) -> Result<Vec<DVec3>, Cancelled> {
     let own = |v: usize, _: &Symmetric| {
         if !free(v) {
             let mut block = Symmetric::default();
@@ -118,9 +121,9 @@ pub(super) fn solve(
         (block, tangent.times(to_mean) * weight)
     };
     let system = System::assemble(&fitted.pattern, blocks, own);
-    let mut delta = system.solve(SOLVER.0, SOLVER.1);
+    let mut delta = system.solve(SOLVER.0, SOLVER.1, go_on).ok_or(Cancelled)?;
     delta.iter_mut().enumerate().filter(|(v, _)| !free(*v)).for_each(|(_, d)| *d = DVec3::ZERO);
-    delta
+    Ok(delta)
 }
 
 /// The projection onto the directions a vertex may slide in, and the way to the middle of its neighbours.

@@ -66,7 +66,9 @@ impl Mending<'_> {
         mut positions: Vec<DVec3>,
         progress: &dyn Fn(f32) -> bool,
     ) -> Result<Vec<DVec3>, Cancelled> {
-        let pulls = self.target.pulls(self.fitted, &positions, &self.target.boosts(self.fitted), Look::Close);
+        let boosts = self.target.boosts(self.fitted);
+        let go_on = || progress(0.0);
+        let pulls = self.target.pulls(self.fitted, &positions, &boosts, Look::Close, &go_on)?;
         let mut bad = self.bad(&positions, &pulls);
         for (k, pass) in PASSES.iter().enumerate() {
             let done = |part: f32| progress((k as f32 + part) / PASSES.len() as f32);
@@ -99,7 +101,8 @@ impl Mending<'_> {
                 .collect();
             let mut boosts = (vec![1.0; patch.samples.len()], vec![1.0; patch.own * POINTS.len()]);
             for step in 0..=pass.steps {
-                if !progress((k * (pass.steps + 1) + step) as f32 / steps as f32) {
+                let go_on = || progress((k * (pass.steps + 1) + step) as f32 / steps as f32);
+                if !go_on() {
                     return Err(Cancelled);
                 }
                 let active: Vec<bool> = least.iter().map(|l| *l > DONE * pulls.rms).collect();
@@ -107,17 +110,17 @@ impl Mending<'_> {
                     break;
                 }
                 let look = patch.look(self.target, &at, &active);
-                let scores = look.scores(&patch, pulls.rms);
+                let scores = look.scores(&patch, pulls.rms, &active);
                 for v in (0..at.len()).filter(|&v| patch.free[v]) {
                     let part = patch.part[v] as usize;
                     if scores[part] < least[part] {
                         best[v] = at[v];
                     }
                 }
-                for f in 0..patch.own {
+                for (f, worst) in worst.iter_mut().enumerate() {
                     let part = patch.face_part[f] as usize;
                     if scores[part] < least[part] {
-                        worst[f] = look.turned[f] || look.greatest[f] > ENOUGH * pulls.rms;
+                        *worst = look.turned[f] || look.greatest[f] > ENOUGH * pulls.rms;
                     }
                 }
                 least.iter_mut().zip(&scores).for_each(|(least, score)| *least = least.min(*score));
@@ -128,7 +131,7 @@ impl Mending<'_> {
                 boost(&mut boosts.1, &look.from_fitted, pulls.rms);
                 let fallen = (2.0 * step as f64 / pass.steps as f64).min(1.0);
                 let smoothing = pass.smoothing * libm::pow(SMOOTHING / pass.smoothing, fallen);
-                at = patch.step(&look, &at, &boosts, smoothing, &active);
+                at = patch.step(&look, &at, &boosts, smoothing, &active, &go_on)?;
                 for v in (0..at.len()).filter(|&v| patch.free[v] && !active[patch.part[v] as usize]) {
                     at[v] = best[v];
                 }

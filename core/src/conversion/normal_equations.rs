@@ -8,6 +8,9 @@ use rayon::prelude::*;
 /// Rows one thread takes at a time, and the length of the partial sums of inner products.
 const CHUNK: usize = 2048;
 
+/// Iterations between two questions whether to go on.
+const UNASKED: usize = 8;
+
 /// A symmetric 3 × 3 matrix: xx, xy, xz, yy, yz, zz.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Symmetric([f64; 6]);
@@ -178,8 +181,13 @@ impl<'p> System<'p> {
     }
 
     /// Conjugate gradients from 0, preconditioned by the inverted diagonal blocks, until the residual has fallen by
-    /// `reduction` or after `iterations`.
-    pub(super) fn solve(&self, iterations: usize, reduction: f64) -> Vec<DVec3> {
+    /// `reduction` or after `iterations`. `None` if `go_on`, asked now and then, said no.
+    pub(super) fn solve(
+        &self,
+        iterations: usize,
+        reduction: f64,
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<Vec<DVec3>> {
         let n = self.right.len();
         let inverse: Vec<Symmetric> = self.diagonal.par_iter().map(Symmetric::inverse).collect();
         let mut x = vec![DVec3::ZERO; n];
@@ -189,7 +197,10 @@ impl<'p> System<'p> {
         let mut energy = inner(&r, &z);
         let goal = energy * reduction * reduction;
         let mut product = vec![DVec3::ZERO; n];
-        for _ in 0..iterations {
+        for iteration in 0..iterations {
+            if iteration % UNASKED == 0 && !go_on() {
+                return None;
+            }
             if energy.is_nan() || energy <= goal || energy <= 0.0 {
                 break;
             }
@@ -211,7 +222,7 @@ impl<'p> System<'p> {
             energy = next;
             p.par_iter_mut().zip(&z).with_min_len(CHUNK).for_each(|(p, z)| *p = *z + *p * along);
         }
-        x
+        Some(x)
     }
 
     fn multiply(&self, x: &[DVec3], into: &mut [DVec3]) {
@@ -258,7 +269,7 @@ mod tests {
         }
         let faces = vec![face; mesh.faces.len()];
         let system = System::assemble(&pattern, &faces, |_, _| (Symmetric::default(), DVec3::ZERO));
-        let x = system.solve(100, 1e-12);
+        let x = system.solve(100, 1e-12, &|| true).expect("it was not given up");
         assert!(x.iter().all(|x| x.distance(shift) < 1e-9));
     }
 }

@@ -6,6 +6,7 @@ use super::fit::{Faces, guarded, solve, turned_faces};
 use super::mend::Mending;
 use super::normal_equations::FaceBlocks;
 use super::pulls::{Fitted, Pull, Pulls, Target, barycentric};
+use super::simplify::Cancelled;
 use crate::mesh::{BoundingVolumes, FaceIndex, TriangleMesh};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -254,6 +255,9 @@ impl Patch {
     }
 
     /// The positions after a step.
+    ///
+    /// # Errors
+    /// `go_on` answered no.
     pub(super) fn step(
         &self,
         look: &Nearest,
@@ -261,7 +265,8 @@ impl Patch {
         boosts: &(Vec<f64>, Vec<f64>),
         smoothing: f64,
         active: &[bool],
-    ) -> Vec<DVec3> {
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Vec<DVec3>, Cancelled> {
         let n = self.vertices.len() as f64;
         let shares = [n / boosts.0.len() as f64, n / boosts.1.len() as f64];
         let mut blocks = vec![FaceBlocks::default(); self.fitted.pattern.faces().len()];
@@ -275,16 +280,22 @@ impl Patch {
         }
         let turned = turned_faces(&self.fitted, at, &look.normals);
         let faces = Faces { normals: &look.normals, turned: &turned };
-        let delta = solve(&self.fitted, at, &blocks, faces, smoothing, &|v| {
-            self.free[v] && active[self.part[v] as usize]
-        });
-        guarded(&self.fitted, at, &delta, &look.normals)
+        let delta = solve(
+            &self.fitted,
+            at,
+            &blocks,
+            faces,
+            smoothing,
+            &|v| self.free[v] && active[self.part[v] as usize],
+            go_on,
+        )?;
+        Ok(guarded(&self.fitted, at, &delta, &look.normals))
     }
 }
 
 impl Nearest {
-    /// How bad each part is.
-    pub(super) fn scores(&self, patch: &Patch, rms: f64) -> Vec<f64> {
+    /// How bad each part is that is still worked on; the others are infinitely bad.
+    pub(super) fn scores(&self, patch: &Patch, rms: f64, active: &[bool]) -> Vec<f64> {
         let mut greatest = vec![0.0f64; patch.parts];
         let mut sums = vec![(0.0, 0.0); patch.parts];
         let mut turned = vec![0.0; patch.parts];
@@ -303,7 +314,12 @@ impl Nearest {
             self.from_fitted[f * POINTS.len()..(f + 1) * POINTS.len()].iter().for_each(|&d| count(part, d));
         }
         (0..patch.parts)
-            .map(|p| greatest[p].max(FINE * rms) + TURNED * rms * turned[p] + (sums[p].0 / sums[p].1).sqrt())
+            .map(|p| {
+                if !active[p] {
+                    return f64::INFINITY;
+                }
+                greatest[p].max(FINE * rms) + TURNED * rms * turned[p] + (sums[p].0 / sums[p].1).sqrt()
+            })
             .collect()
     }
 }

@@ -5,6 +5,7 @@
 
 use super::held::Held;
 use super::normal_equations::{FaceBlocks, Pattern, Symmetric};
+use super::simplify::Cancelled;
 use crate::mesh::{AreaSampler, BoundingVolumes, TriangleMesh};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,6 +21,8 @@ const VERTEX_WEIGHT: f64 = 0.15;
 const NO_GAP: f64 = 1e-9;
 /// Queries one thread makes in a row.
 const CHUNK: usize = 1024;
+/// Chunks between two questions whether to go on: some hundredths of a second on two threads.
+const BATCH: usize = 16;
 /// The middle of a face.
 const MIDDLE: [[f64; 3]; 1] = [[1.0 / 3.0; 3]];
 /// Points inside a face: exact for quadratic integrands.
@@ -181,8 +184,18 @@ impl<'m> Target<'m> {
         Boosts { from_input: vec![1.0; self.samples.len()], from_fitted: vec![1.0; count] }
     }
 
-    /// Every sample's closest point on the other surface.
-    pub(super) fn pulls(&self, fitted: &Fitted, positions: &[DVec3], boosts: &Boosts, look: Look) -> Pulls {
+    /// Every sample's closest point on the other surface. `go_on` is asked some times a second.
+    ///
+    /// # Errors
+    /// The answer was no.
+    pub(super) fn pulls(
+        &self,
+        fitted: &Fitted,
+        positions: &[DVec3],
+        boosts: &Boosts,
+        look: Look,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Pulls, Cancelled> {
         let inside: &[[f64; 3]] = if look == Look::Rough { &MIDDLE } else { &INSIDE };
         let (samples, by_area): (Vec<DVec3>, usize) = match look {
             Look::Rough => {
@@ -192,11 +205,13 @@ impl<'m> Target<'m> {
         };
         let vertices = fitted.pattern.vertices() as f64;
         let current = fitted.mesh(positions);
-        let (tree, back) = rayon::join(
-            || BoundingVolumes::build(&current).expect("a fitted surface has faces"),
-            || self.samples_of_fitted(fitted, positions, inside, look == Look::Close),
-        );
-        let forth = samples_of_input(&samples, fitted, &tree, positions);
+        let mut tree = None;
+        let back = rayon::in_place_scope(|scope| {
+            scope.spawn(|_| tree = BoundingVolumes::build(&current));
+            self.samples_of_fitted(fitted, positions, inside, look == Look::Close, go_on)
+        })?;
+        let tree = tree.expect("a fitted surface has faces");
+        let forth = samples_of_input(&samples, fitted, &tree, positions, go_on)?;
 
         // Weights: either way the area samples together weigh as much as there are vertices.
         let area = |f: &[u32; 3]| {
@@ -251,7 +266,7 @@ impl<'m> Target<'m> {
         self.boundary_pulls(fitted, positions, &mut pulls);
         let (pulls, starts) = by_face(pulls, areas.len());
         let rms = squares[0].max(squares[1]).sqrt();
-        Pulls { pulls, starts, from_input, hit, from_fitted, normals, against, rms, max: max.sqrt() }
+        Ok(Pulls { pulls, starts, from_input, hit, from_fitted, normals, against, rms, max: max.sqrt() })
     }
 
     fn samples_of_fitted(
@@ -260,45 +275,38 @@ impl<'m> Target<'m> {
         positions: &[DVec3],
         inside: &[[f64; 3]],
         vertices: bool,
-    ) -> Vec<(Pull, DVec3)> {
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Vec<(Pull, DVec3)>, Cancelled> {
         let faces = fitted.pattern.faces();
         let points = inside.len() * faces.len();
         let total = points + if vertices { positions.len() } else { 0 };
-        (0..total.div_ceil(CHUNK))
-            .into_par_iter()
-            .flat_map_iter(|chunk| {
-                let mut cursor = self.tree.cursor();
-                let pull = |k: usize| {
-                    let (face, weights) = if k < points {
-                        (k / inside.len(), inside[k % inside.len()])
-                    } else {
-                        let corner = fitted.pattern.corners(k - points)[0] as usize;
-                        let mut weights = [0.0; 3];
-                        weights[corner % 3] = 1.0;
-                        (corner / 3, weights)
-                    };
-                    let [a, b, c] = faces[face].map(|v| positions[v as usize]);
-                    let at = a * weights[0] + b * weights[1] + c * weights[2];
-                    let found = cursor.closest(at.to_array());
-                    let normal = self.normals[found.face.0 as usize];
-                    let gap = DVec3::from(found.point) - at;
-                    let metric = Symmetric::about(direction(gap, normal), 1.0, ALONG);
-                    // A face turned over, or led astray to the other side of a thin wall, is smoothed, not pulled.
-                    let against = (b - a).cross(c - a).dot(normal) < 0.0;
-                    (
-                        Pull {
-                            face: face as u32,
-                            weights,
-                            gap,
-                            metric,
-                            weight: if against { 0.0 } else { 1.0 },
-                        },
-                        normal,
-                    )
+        let of_chunk = |chunk: usize| {
+            let mut cursor = self.tree.cursor();
+            let pull = |k: usize| {
+                let (face, weights) = if k < points {
+                    (k / inside.len(), inside[k % inside.len()])
+                } else {
+                    let corner = fitted.pattern.corners(k - points)[0] as usize;
+                    let mut weights = [0.0; 3];
+                    weights[corner % 3] = 1.0;
+                    (corner / 3, weights)
                 };
-                (chunk * CHUNK..((chunk + 1) * CHUNK).min(total)).map(pull).collect::<Vec<_>>()
-            })
-            .collect()
+                let [a, b, c] = faces[face].map(|v| positions[v as usize]);
+                let at = a * weights[0] + b * weights[1] + c * weights[2];
+                let found = cursor.closest(at.to_array());
+                let normal = self.normals[found.face.0 as usize];
+                let gap = DVec3::from(found.point) - at;
+                let metric = Symmetric::about(direction(gap, normal), 1.0, ALONG);
+                // A face turned over, or led astray to the other side of a thin wall, is smoothed, not pulled.
+                let against = (b - a).cross(c - a).dot(normal) < 0.0;
+                (
+                    Pull { face: face as u32, weights, gap, metric, weight: if against { 0.0 } else { 1.0 } },
+                    normal,
+                )
+            };
+            (chunk * CHUNK..((chunk + 1) * CHUNK).min(total)).map(pull).collect::<Vec<_>>()
+        };
+        in_batches(total.div_ceil(CHUNK), go_on, &of_chunk)
     }
 
     fn boundary_pulls(&self, fitted: &Fitted, positions: &[DVec3], pulls: &mut Vec<Pull>) {
@@ -343,8 +351,10 @@ fn samples_of_input(
     fitted: &Fitted,
     tree: &BoundingVolumes,
     positions: &[DVec3],
-) -> Vec<Pull> {
-    let chunk = |points: &[DVec3]| {
+    go_on: &dyn Fn() -> bool,
+) -> Result<Vec<Pull>, Cancelled> {
+    let of_chunk = |chunk: usize| {
+        let points = &samples[chunk * CHUNK..((chunk + 1) * CHUNK).min(samples.len())];
         let mut cursor = tree.cursor();
         let pull = |p: &DVec3| {
             let found = cursor.closest(p.to_array());
@@ -362,7 +372,23 @@ fn samples_of_input(
         };
         points.iter().map(pull).collect::<Vec<_>>()
     };
-    samples.par_chunks(CHUNK).flat_map_iter(chunk).collect()
+    in_batches(samples.len().div_ceil(CHUNK), go_on, &of_chunk)
+}
+
+/// The answers of all chunks in order, asking after each batch of them whether to go on.
+fn in_batches<T: Send>(
+    chunks: usize,
+    go_on: &dyn Fn() -> bool,
+    of_chunk: &(impl Fn(usize) -> Vec<T> + Sync),
+) -> Result<Vec<T>, Cancelled> {
+    let mut all = Vec::with_capacity(chunks * CHUNK);
+    for first in (0..chunks).step_by(BATCH) {
+        if !go_on() {
+            return Err(Cancelled);
+        }
+        all.par_extend((first..(first + BATCH).min(chunks)).into_par_iter().flat_map_iter(of_chunk));
+    }
+    Ok(all)
 }
 
 impl Pulls {

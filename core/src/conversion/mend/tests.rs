@@ -26,7 +26,7 @@ fn mended(height: f64, moved: impl Fn(DVec3) -> DVec3) -> (Vec<DVec3>, Vec<DVec3
     let sheets: Vec<DVec3> = coarse.positions.iter().map(|&p| normal(tree.closest(p).face)).collect();
     let mending = Mending { target: &target, fitted: &fitted, sheets: &sheets, places: &places };
     let start: Vec<DVec3> = places.iter().map(|&p| moved(p)).collect();
-    let result = mending.run(start, &|_| true).ok().expect("it was not cancelled");
+    let Ok(result) = mending.run(start, &|_| true) else { panic!("nobody asked to stop") };
     let outward: Vec<DVec3> = coarse
         .faces
         .iter()

@@ -59,6 +59,28 @@ fn the_tree_agrees_with_trying_all_triangles() {
 }
 
 #[test]
+fn faces_that_are_not_allowed_are_as_if_left_out() {
+    let mesh = soup(300, 11);
+    let allowed = |face: FaceIndex| face.0.is_multiple_of(3);
+    let rest = TriangleMesh {
+        positions: mesh.positions.clone(),
+        faces: mesh.faces.iter().step_by(3).copied().collect(),
+    };
+    let tree = BoundingVolumes::build(&mesh).unwrap();
+    let mut cursor = tree.cursor();
+    let mut random = SplitMix64::at(12, 0);
+    for _ in 0..300 {
+        let query = random_point(&mut random);
+        let nearest = by_trying_all(&rest, query);
+        let found = cursor.closest_where(query, f64::INFINITY, &allowed).unwrap();
+        assert!(allowed(found.face));
+        assert_eq!(found.squared_distance, nearest);
+        let short = nearest.sqrt() * 0.999;
+        assert!(cursor.closest_where(query, short, &allowed).is_none());
+    }
+}
+
+#[test]
 fn the_named_face_holds_the_point() {
     let mesh = soup(200, 9);
     let tree = BoundingVolumes::build(&mesh).unwrap();
