@@ -121,7 +121,7 @@ fn a_report_is_whole_and_on_its_own() {
         "above 15°",
         "faces at a vertex",
         "Boundary loops",
-        "1 vertices that no face uses were left out",
+        "1 vertex that no face uses was left out",
         "at most 40",
         "2-disc",
         "24 bits",

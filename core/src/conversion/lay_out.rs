@@ -33,6 +33,8 @@ const STAGES: [Stage; 9] = [
     Stage { finest: 15, rounds: &[(Level(3), 3), (Level(4), 6)], flips: false },
 ];
 
+/// Stages left out for a gentle layout: thin horns stay where simplification put them.
+const GENTLE: usize = 4;
 /// A vertex of the input is missed if the surface is this part of an edge of the finest level away.
 const FAR: f64 = 0.3;
 
@@ -57,21 +59,23 @@ impl From<Cancelled> for NoLattice {
     }
 }
 
-/// Lays `levels` levels over the domain; returns the lattice and the places of its vertices on the input.
+/// Lays `levels` levels over the domain, `gently` without the first stages; returns the lattice and the places of its vertices on the input.
 pub(super) fn lay_out(
     input: &Input,
     density: &mut Density,
     levels: Level,
+    gently: bool,
     progress: &dyn Fn(f32) -> bool,
 ) -> Result<(Lattice, Places), NoLattice> {
+    let stages = if gently { &STAGES[GENTLE..] } else { &STAGES[..] };
     let Input { ground, domain, .. } = *input;
-    let first = levels.min(Level(STAGES[0].finest));
+    let first = levels.min(Level(stages[0].finest));
     let mut lattice = Lattice::over(domain, first).ok_or(NoLattice::TooFine)?;
     // Whether the finest level fits, before any work.
     Lattice::fits(domain, levels).ok_or(NoLattice::TooFine)?;
-    for (at, stage) in STAGES.iter().enumerate() {
+    for (at, stage) in stages.iter().enumerate() {
         let finest = Level(stage.finest.min(levels.0));
-        let asked = || progress(at as f32 / STAGES.len() as f32);
+        let asked = || progress(at as f32 / stages.len() as f32);
         while lattice.hierarchy.finest() < finest {
             lattice = lattice.refined(domain).ok_or(NoLattice::TooFine)?;
         }

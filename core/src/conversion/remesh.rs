@@ -123,9 +123,11 @@ pub fn remesh(
     let prepared = Prepared::new(frame.into_unit(&input), cleaned.connectivity, progress)?;
     let mut best: Option<Remeshed> = None;
     let mut next = Some(Size::first(input.faces.len(), options));
+    let mut gently = false;
     while let Some(size) = next {
         let fewer_levels = best.is_none() && options.levels.is_none();
-        let made = match attempt(&prepared, size, fewer_levels, options.sharp_angle, progress) {
+        let how = How { fewer_levels, gently, sharp_angle: options.sharp_angle };
+        let made = match attempt(&prepared, size, how, progress) {
             // What was made before stands.
             Err(RemeshError::TooFine { .. }) if best.is_some() => break,
             made => made?,
@@ -138,6 +140,11 @@ pub fn remesh(
         let measured = compare(&input, &result, &rules, &|done| progress(Phase::Measure, done))?;
         let size = Size { base_faces: size.base_faces, levels: made.hierarchy.finest().0 };
         next = options.tolerance.and_then(|tolerance| size.next(measured.max / tolerance, &input, options));
+        if measured.max > POOR && !gently {
+            // A thin horn may have been left behind: once more another way before there are more faces.
+            gently = true;
+            next = Some(size);
+        }
         if best.as_ref().is_none_or(|best| measured.max < best.measured.max) {
             best = Some(Remeshed {
                 hierarchy: made.hierarchy,
@@ -154,6 +161,8 @@ pub fn remesh(
 
 /// Base faces there must be for each corner of sharp edges, when no angle is given.
 const FACES_PER_CORNER: usize = 4;
+/// A first attempt further off than this, over the diagonal, is made again another way.
+const POOR: f64 = 8e-3;
 /// Samples on each surface when a greatest distance was promised.
 const CLOSE_SAMPLES: usize = 1_000_000;
 
@@ -201,12 +210,21 @@ struct Made {
     faces: Vec<[u32; 3]>,
 }
 
-/// The conversion but for cleaning and measuring; with `fewer_levels`, if the base mesh is much larger than aimed at.
+/// How an attempt is made.
+#[derive(Debug, Clone, Copy)]
+struct How {
+    /// Whether levels are left out if the base mesh is much larger than aimed at.
+    fewer_levels: bool,
+    /// See [`lay_out`].
+    gently: bool,
+    sharp_angle: Option<f64>,
+}
+
+/// The conversion but for cleaning and measuring.
 fn attempt(
     prepared: &Prepared,
     Size { base_faces: target, levels }: Size,
-    fewer_levels: bool,
-    sharp_angle: Option<f64>,
+    How { fewer_levels, gently, sharp_angle }: How,
     progress: &dyn Fn(Phase, f32) -> bool,
 ) -> Result<Made, RemeshError> {
     let check = |phase| if progress(phase, 0.0) { Ok(()) } else { Err(RemeshError::Cancelled) };
@@ -228,10 +246,13 @@ fn attempt(
     let base_faces = domain.base.faces().len();
     let levels = if fewer_levels { affordable(levels, base_faces, input.faces.len()) } else { levels };
     let ground = Ground { mesh, connectivity };
-    let laid =
-        lay_out(&Input { mesh, ground: &ground, domain: &domain }, &mut density, Level(levels), &|done| {
-            progress(Phase::Relax, done)
-        });
+    let laid = lay_out(
+        &Input { mesh, ground: &ground, domain: &domain },
+        &mut density,
+        Level(levels),
+        gently,
+        &|done| progress(Phase::Relax, done),
+    );
     let (lattice, places) = laid.map_err(|why| match why {
         NoLattice::TooFine => RemeshError::TooFine { base_faces, levels },
         NoLattice::Cancelled => RemeshError::Cancelled,
