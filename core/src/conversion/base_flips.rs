@@ -77,13 +77,11 @@ fn flip(base: &BaseMesh, e: u32) -> Option<Flipped> {
     // Oriented: the left face runs from the first end to the second.
     let a = base.faces()[left.face as usize][usize::from(left.k)];
     let b = base.faces()[left.face as usize][(usize::from(left.k) + 1) % 3];
-    // Both edges of a face at a vertex on one straight curve would lie along it.
+    // Between two sharp edges stay the faces that are there, for wide angles need more than one.
     let sharp = |side: EdgeSide, step: usize| {
         base.is_sharp(base.face_edges(side.face)[(usize::from(side.k) + step) % 3])
     };
-    if sharp(left, 2) && sharp(right, 1) && base.sharp_valence(a) == 2
-        || sharp(left, 1) && sharp(right, 2) && base.sharp_valence(b) == 2
-    {
+    if sharp(left, 2) && sharp(right, 1) || sharp(left, 1) && sharp(right, 2) {
         return None;
     }
     let joined = base.fan(c).corners.iter().any(|&(f, _)| base.faces()[f as usize].contains(&d));

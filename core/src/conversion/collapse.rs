@@ -42,6 +42,8 @@ const SLIVER_PENALTY: f64 = 0.5;
 const VALENCE_PENALTY: f64 = 1.5;
 /// Quadric values below this fraction of the squared diagonal are rounding; the point quadrics order those.
 const ROUNDING: f64 = 1e-18;
+/// The widest angle for a face between sharp edges: one of 180° or more would be folded.
+const WIDEST: f64 = 150.0 / 180.0 * std::f64::consts::PI;
 /// More local vertices than this are not worth flattening (and have no byte for a number).
 const LARGEST_PATCH: usize = 64;
 
@@ -170,7 +172,7 @@ impl Collapser {
         }
         let thinned =
             |&v: &u32| mesh.valence(v) <= if mesh.is_boundary(v) { rules.least_on_boundary } else { least };
-        if shared().any(thinned) || narrows(mesh, [kept, gone], sides, rules) {
+        if shared().any(thinned) || narrows(mesh, [kept, gone], sides) {
             return None;
         }
         let stays = mesh.is_corner(kept) || (mesh.is_on_curve(kept) && !mesh.is_on_curve(gone));
@@ -248,12 +250,15 @@ impl Collapser {
     }
 }
 
-/// Whether the collapse of an edge would leave too few faces on one side of a sharp curve.
-fn narrows(mesh: &WorkingMesh, ends: [u32; 2], sides: [Option<u32>; 2], rules: &CollapseRules) -> bool {
+/// Whether the collapse of an edge would leave too few faces between sharp edges for the angle there.
+fn narrows(mesh: &WorkingMesh, ends: [u32; 2], sides: [Option<u32>; 2]) -> bool {
     sides.into_iter().flatten().any(|f| {
         let apex = mesh.face(f).into_iter().find(|v| !ends.contains(v)).expect("a corner off the edge");
-        let through = !mesh.is_corner(apex) && !mesh.crease_ends(apex).is_empty();
-        through && mesh.faces_beside(apex, f) < rules.least_on_boundary
+        if mesh.crease_ends(apex).is_empty() {
+            return false;
+        }
+        let (count, angle) = mesh.wedge(apex, f);
+        (count - 1) as f64 * WIDEST < angle
     })
 }
 

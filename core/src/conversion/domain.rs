@@ -90,6 +90,8 @@ impl<'m> Domain<'m> {
     /// The weighted mean of addresses near one another: in the plane of two faces unfolded, or of a vertex's faces
     /// spread to a full turn (half a one on the boundary). `None` if they are not near.
     pub(super) fn blend(&self, parts: &[(f64, Address)]) -> Option<Address> {
+        let mut own = [(0.0, parts.first()?.1); 3];
+        let parts = self.on_one_side(parts, &mut own);
         let home = parts.first()?.1.face;
         let other = parts.iter().map(|part| part.1.face).find(|&face| face != home);
         let third = parts.iter().any(|part| part.1.face != home && Some(part.1.face) != other);
@@ -104,6 +106,30 @@ impl<'m> Domain<'m> {
             .iter()
             .fold(DVec2::ZERO, |sum, &(weight, address)| sum + self.spread_round(v, address) * weight);
         settle(&self.base, self.spread_back(v, mean))
+    }
+
+    /// The same addresses, those on sharp edges in the chart of the face that one of the others is inside of: blends
+    /// must not go round a corner.
+    fn on_one_side<'p>(
+        &self,
+        parts: &'p [(f64, Address)],
+        own: &'p mut [(f64, Address); 3],
+    ) -> &'p [(f64, Address)] {
+        let inside = |part: &&(f64, Address)| part.1.b.iter().all(|&b| b > 0.0);
+        let marked = |part: &(f64, Address)| {
+            self.base.faces()[part.1.face as usize].iter().any(|&v| self.base.sharp_valence(v) > 0)
+        };
+        let Some(&(_, home)) = parts.iter().find(inside).filter(|_| parts.iter().any(marked)) else {
+            return parts;
+        };
+        let corners = self.base.faces()[home.face as usize];
+        for (part, &(weight, address)) in own.iter_mut().zip(parts) {
+            let there = self.base.faces()[address.face as usize];
+            let of = |v: u32| there.iter().position(|&w| w == v).map_or(0.0, |k| address.b[k]);
+            let held = (0..3).all(|k| address.b[k] == 0.0 || corners.contains(&there[k]));
+            *part = (weight, if held { Address { face: home.face, b: corners.map(of) } } else { address });
+        }
+        &own[..parts.len()]
     }
 
     fn blend_unfolded(&self, home: u32, parts: &[(f64, Address)]) -> Option<Address> {
@@ -158,7 +184,7 @@ impl<'m> Domain<'m> {
         if length == 0.0 {
             return DVec2::ZERO;
         }
-        let angle = (at as f64 + libm::atan2(local.y, local.x) / FRAC_PI_3) * sector(fan);
+        let angle = angle_in_fan(&self.base, v, at, libm::atan2(local.y, local.x) / FRAC_PI_3);
         DVec2::new(libm::cos(angle), libm::sin(angle)) * length
     }
 
@@ -178,10 +204,9 @@ impl<'m> Domain<'m> {
             }
             _ => turn,
         };
-        let sectors = turn / sector(fan);
-        let at = (sectors as usize).min(fan.corners.len() - 1);
+        let (at, part) = place_in_fan(&self.base, v, turn);
         let (face, corner) = (fan.corners[at].0, usize::from(fan.corners[at].1));
-        in_sector(face, corner, place.length(), (sectors - at as f64) * FRAC_PI_3)
+        in_sector(face, corner, place.length(), part * FRAC_PI_3)
     }
 
     /// [`Domain::blend`] for addresses on one curve, along it.
@@ -260,8 +285,63 @@ fn in_sector(face: u32, corner: usize, length: f64, angle: f64) -> Address {
 }
 
 /// The angle of a vertex's faces when together they make a full turn, or half a one on the boundary.
-pub(super) fn sector(fan: &Fan) -> f64 {
+fn sector(fan: &Fan) -> f64 {
     (if fan.closed { TAU } else { PI }) / fan.corners.len() as f64
+}
+
+/// The angle at part of the way through a face of a vertex's fan. Faces take equal parts of a full turn, or half a one
+/// on the boundary; where sharp edges meet, those between two of them share equal parts, so that a curve is straight.
+pub(super) fn angle_in_fan(base: &BaseMesh, v: u32, at: usize, part: f64) -> f64 {
+    match wedge(base, v, at) {
+        None => (at as f64 + part) * sector(base.fan(v)),
+        Some((start, width)) => start + part * width,
+    }
+}
+
+/// The angle that a face of a vertex's fan takes.
+pub(super) fn width_in_fan(base: &BaseMesh, v: u32, at: usize) -> f64 {
+    wedge(base, v, at).map_or_else(|| sector(base.fan(v)), |(_, width)| width)
+}
+
+/// The face of a vertex's fan at an angle from 0 on, and which part of it is before that: [`angle_in_fan`] the other way.
+pub(super) fn place_in_fan(base: &BaseMesh, v: u32, angle: f64) -> (usize, f64) {
+    let count = base.fan(v).corners.len();
+    let mut last = None;
+    for at in 0..count {
+        let Some((start, width)) = wedge(base, v, at) else { break };
+        let part = (angle - start) / width;
+        if (0.0..=1.0).contains(&part) {
+            return (at, part);
+        }
+        last = Some(at);
+    }
+    if let Some(at) = last {
+        return (at, 1.0);
+    }
+    let sectors = angle / sector(base.fan(v));
+    let at = (sectors as usize).min(count - 1);
+    (at, sectors - at as f64)
+}
+
+/// Where a face of a fan begins and how wide it is, if two or more sharp edges meet inside the surface.
+fn wedge(base: &BaseMesh, v: u32, at: usize) -> Option<(f64, f64)> {
+    let (fan, marks) = (base.fan(v), base.sharp_valence(v));
+    if marks < 2 || !fan.closed {
+        return None;
+    }
+    let count = fan.corners.len();
+    let begins = |at: usize| {
+        let (face, corner) = fan.corners[at % count];
+        base.is_sharp(base.face_edges(face)[usize::from(corner)])
+    };
+    let first = (0..count).find(|&at| begins(at))?;
+    let steps = (at + count - first) % count;
+    let number = (0..=steps).filter(|&k| begins(first + k)).count() - 1;
+    let before = (0..=steps).rev().find(|&k| begins(first + k))?;
+    let after = (steps + 1..=count).find(|&k| begins(first + k))?;
+    let whole = TAU / f64::from(marks);
+    let width = whole / (after - before) as f64;
+    Some((number as f64 * whole + (steps - before) as f64 * width, width))
 }
 
 /// The corners of a face in ascending order.

@@ -67,8 +67,8 @@ fn try_flip(mesh: &mut WorkingMesh, map: &mut Parameterisation, a: u32, b: u32, 
     if mesh.sides(c, d) != [None; 2] || mesh.is_crease(a, b) {
         return false;
     }
-    // Both edges of a face at a vertex on one straight curve: no.
-    let closes = |v: u32| !mesh.is_corner(v) && mesh.is_crease(v, c) && mesh.is_crease(v, d);
+    // Between two sharp edges stay the faces that are there, for wide angles need more than one.
+    let closes = |v: u32| mesh.is_crease(v, c) && mesh.is_crease(v, d);
     if closes(a) || closes(b) {
         return false;
     }

@@ -5,7 +5,7 @@
 //! level's edges is one to one. Ways are plane vectors in the chart of a face (corner 0 at the origin, corner 1 on the
 //! x axis); across an edge charts are unfolded, round a base vertex angles are scaled to a full turn.
 
-use super::domain::sector;
+use super::domain::{angle_in_fan, place_in_fan, width_in_fan};
 use super::lattice::face_slots;
 use crate::hierarchy::{Hierarchy, Layout, Level, Site, Slot};
 use glam::DVec2;
@@ -97,7 +97,7 @@ impl<'h> Warp<'h> {
         let fan = self.hierarchy.base().fan(v);
         let turn = angle(way);
         let turn = if turn < 0.0 { turn + TAU } else { turn };
-        let at = ((turn / sector(fan)) as usize).min(fan.corners.len() - 1);
+        let (at, _) = place_in_fan(self.hierarchy.base(), v, turn);
         let (face, corner) = fan.corners[at];
         (face, corner, self.in_chart(self.coarse.slot(Site::Base(v)).0, face, way))
     }
@@ -122,8 +122,9 @@ impl<'h> Warp<'h> {
     fn sector(&self, v: u32, face: u32) -> (f64, f64, f64) {
         let fan = self.hierarchy.base().fan(v);
         let at = fan.corners.iter().position(|&(f, _)| f == face).expect("a face of the fan");
-        let width = sector(fan);
-        ((at as f64 + 0.5) * width, f64::from(fan.corners[at].1) * 2.0 * FRAC_PI_3, width)
+        let base = self.hierarchy.base();
+        let width = width_in_fan(base, v, at);
+        (angle_in_fan(base, v, at, 0.5), f64::from(fan.corners[at].1) * 2.0 * FRAC_PI_3, width)
     }
 
     fn wrap(&self, v: u32, angle: f64) -> f64 {

@@ -121,9 +121,16 @@ impl WorkingMesh {
         if pair[0] == from { pair[1] } else { pair[0] }
     }
 
-    /// The faces of an interior vertex on the side of a curve through it on which `face` lies; all if there is no curve.
-    pub(super) fn faces_beside(&self, vertex: u32, face: u32) -> usize {
-        let mut count = 1;
+    /// The number of faces at an interior vertex between the sharp edges that enclose `face`, and the sum of their
+    /// angles there.
+    pub(super) fn wedge(&self, vertex: u32, face: u32) -> (usize, f64) {
+        let angle = |f: u32| {
+            let k = self.face(f).iter().position(|&v| v == vertex).expect("a face of the vertex");
+            let corners = self.corners(f);
+            let [p, q] = [1, 2].map(|step| corners[(k + step) % 3] - corners[k]);
+            libm::atan2(p.cross(q).length(), p.dot(q))
+        };
+        let (mut count, mut sum) = (1, angle(face));
         for back in [false, true] {
             let mut at = face;
             for _ in 0..self.star(vertex).len() {
@@ -136,9 +143,10 @@ impl WorkingMesh {
                     _ => break,
                 }
                 count += 1;
+                sum += angle(at);
             }
         }
-        count
+        (count, sum)
     }
 
     /// Lets a vertex of a sharp curve be gone: its edge to `kept` is no more, and `kept` takes its place in the other.
