@@ -143,21 +143,25 @@ impl BaseMesh {
     }
 
     /// Number of vertices, `V0`.
+    #[inline]
     pub fn vertex_count(&self) -> u32 {
         self.fans.len() as u32
     }
 
     /// Faces, lowest vertex first, sorted, consistently oriented.
+    #[inline]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
 
     /// Edges as (low, high), sorted.
+    #[inline]
     pub fn edges(&self) -> &[[u32; 2]] {
         &self.edges
     }
 
     /// The edges of each face: entry `k` joins corners `k` and `k + 1`.
+    #[inline]
     pub fn face_edges(&self, face: u32) -> [u32; 3] {
         self.face_edges[face as usize]
     }

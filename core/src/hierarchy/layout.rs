@@ -76,21 +76,25 @@ impl Layout {
     }
 
     /// The base mesh.
+    #[inline]
     pub fn base(&self) -> &Arc<BaseMesh> {
         &self.base
     }
 
     /// The level j.
+    #[inline]
     pub fn level(&self) -> Level {
         self.level
     }
 
     /// `n = 2^j`.
+    #[inline]
     pub fn segments(&self) -> u32 {
         self.n
     }
 
     /// The number of vertices `n_j` of `M^j`.
+    #[inline]
     pub fn len(&self) -> u32 {
         self.len
     }
@@ -107,6 +111,7 @@ impl Layout {
     }
 
     /// The slot of a site.
+    #[inline]
     pub fn slot(&self, site: Site) -> Slot {
         Slot(match site {
             Site::Base(v) => v,
@@ -132,17 +137,20 @@ impl Layout {
     }
 
     /// Slots of row `r` of a face before it: rows 1 to r − 1 hold `n − s − 1` each.
+    #[inline]
     fn row_start(&self, r: u32) -> u32 {
         (r - 1) * (self.n - 1) - r * (r - 1) / 2
     }
 
     /// The first slot of row `r` (from 1 to `n − 2`) of a face's interior; the row holds `n − r − 1` slots, `i`
     /// from 1.
+    #[inline]
     pub fn row(&self, face: u32, r: u32) -> Slot {
         Slot(self.faces_at + face * self.per_face + self.row_start(r))
     }
 
     /// The site of a point given by non-negative barycentric coordinates with sum `n` in a face.
+    #[inline]
     pub fn site_at(&self, face: u32, b: [u32; 3]) -> Site {
         site_in(&self.base, self.n, face, b)
     }
@@ -231,6 +239,7 @@ impl Layout {
     }
 
     /// The odd vertex of this level at a site of level j + 1; the site must be odd.
+    #[inline]
     pub fn odd_at(&self, site: Site) -> Odd {
         let n = self.n;
         Odd(match site {
@@ -244,11 +253,13 @@ impl Layout {
     }
 
     /// The first odd vertex inside a face.
+    #[inline]
     pub fn odd_face_start(&self, face: u32) -> u32 {
         self.base.edges().len() as u32 * self.n + face * (3 * self.n * (self.n - 1) / 2)
     }
 
     /// Odd vertices in rows 1 to r − 1 of a face's grid at level j + 1: all of an odd row, every second of an even.
+    #[inline]
     pub fn odd_row_start(&self, r: u32) -> u32 {
         let (m, fine) = (r - 1, 2 * self.n);
         let (odd_rows, even_rows) = (m.div_ceil(2), m / 2);
@@ -289,6 +300,7 @@ impl Layout {
     }
 
     /// The same vertex seen from one level finer.
+    #[inline]
     pub fn refine(site: Site) -> Site {
         match site {
             Site::Base(v) => Site::Base(v),
@@ -298,6 +310,7 @@ impl Layout {
     }
 
     /// The site one level coarser, if the vertex exists there.
+    #[inline]
     pub fn coarsen(site: Site) -> Option<Site> {
         Some(match site {
             Site::Base(v) => Site::Base(v),
@@ -353,6 +366,7 @@ impl Layout {
 }
 
 /// The site, at the level with `n` segments, of barycentric coordinates with sum `n`.
+#[inline]
 pub(super) fn site_in(base: &BaseMesh, n: u32, face: u32, b: [u32; 3]) -> Site {
     debug_assert_eq!(b[0] + b[1] + b[2], n);
     let corner = |k: usize| base.faces()[face as usize][k];

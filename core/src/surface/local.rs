@@ -6,7 +6,8 @@
 
 use super::{Changes, Marks, Moved, Surface, Vector, within_limit};
 use crate::hierarchy::{Layout, Level, Odd, PublicId, Site, Slot};
-use crate::wavelet::lifting::{minus, plus, predicted, rounded, synthesise_level};
+use crate::wavelet::lifting::{minus, plus, predicted, rounded};
+use crate::wavelet::rows::synthesise_level;
 
 /// A change of position: what was added to `c^j` at a slot.
 type Step = (Slot, Vector);
