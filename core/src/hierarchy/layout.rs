@@ -274,17 +274,16 @@ impl Layout {
                 [self.along_edge(edge, (t - 1) / 2), self.along_edge(edge, t.div_ceil(2))]
             }
             Site::Face { face, i, r } => {
-                let b = [2 * self.n - i - r, i, r];
+                let at = |i: u32, r: u32| {
+                    let (i, r) = (i / 2, r / 2);
+                    self.site_at(face, [self.n - i - r, i, r])
+                };
                 // Two of the three coordinates are odd; the edge runs between them.
-                let even =
-                    (0..3).find(|&k| b[k].is_multiple_of(2)).expect("the coordinates have an even sum");
-                let (p, q) = ((even + 1) % 3, (even + 2) % 3);
-                [(p, q), (q, p)].map(|(up, down)| {
-                    let mut at = b;
-                    at[up] += 1;
-                    at[down] -= 1;
-                    self.site_at(face, at.map(|x| x / 2))
-                })
+                match (i % 2, r % 2) {
+                    (1, 0) => [at(i - 1, r), at(i + 1, r)],
+                    (0, 1) => [at(i, r - 1), at(i, r + 1)],
+                    _ => [at(i + 1, r - 1), at(i - 1, r + 1)],
+                }
             }
         }
     }

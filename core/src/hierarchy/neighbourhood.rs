@@ -93,6 +93,12 @@ impl Layout {
                     found(Site::Face { face, i, r });
                 }
             }
+            Site::Face { face, i, r } => {
+                for [_, di, dr] in DIRECTIONS {
+                    let (i, r) = (i.wrapping_add_signed(di), r.wrapping_add_signed(dr));
+                    found(self.site_at(face, [self.segments() - i - r, i, r]));
+                }
+            }
             _ => self.ring(site).around.into_iter().for_each(found),
         }
     }

@@ -13,7 +13,7 @@ mod local;
 mod marks;
 mod placement;
 
-pub use changes::{Changes, Moved};
+pub use changes::{Changes, Moved, Runs};
 pub use digest::{CoefficientSum, SurfaceHash, header_bytes};
 pub use form::{Form, FormOptions, NotASurface};
 pub use placement::{DEFAULT_PRECISION, LIMIT, NotPlaceable, PRECISIONS, Placement, UpAxis};

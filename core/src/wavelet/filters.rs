@@ -97,6 +97,17 @@ impl Filters {
         sum
     }
 
+    /// [`Filters::gather`] for details within [`crate::surface::LIMIT`], of which a class of taps adds within 32 bits.
+    pub fn sum_within_limit<const N: usize>(&self, layout: &Layout, site: Site, d: &[[i32; N]]) -> [i64; N] {
+        let reach = self.wavelet.reach() as u32;
+        let Site::Face { face, i, r } = site else { return self.gather(layout, site, d) };
+        let inside = 2 * i > reach && 2 * r > reach && 2 * (layout.segments() - i - r) > reach;
+        if self.wavelet == Wavelet::Lazy || !inside || !is_regular(layout, site, self.wavelet) {
+            return self.gather(layout, site, d);
+        }
+        self.stencil.sum_inside(layout, face, [i, r], d)
+    }
+
     /// The taps of an irregular even vertex.
     fn explicit_row(&self, layout: &Layout, site: Site) -> Option<&[(Odd, i32)]> {
         if is_regular(layout, site, self.wavelet) {

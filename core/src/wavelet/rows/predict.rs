@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 
 /// `⌊(u + w) / 2⌋` without overflow.
 #[inline(always)]
-fn mean(u: i32, w: i32) -> i32 {
+pub(super) fn mean(u: i32, w: i32) -> i32 {
     (u & w).wrapping_add((u ^ w) >> 1)
 }
 

@@ -47,6 +47,16 @@ impl Place {
         };
         Self { plane, i: di.div_euclid(2), r: dr.div_euclid(2) }
     }
+
+    /// The row at level j + 1, and how many stored odd vertices along it: of an even row every second is odd.
+    #[inline(always)]
+    pub(super) fn in_row(self) -> (i32, i32) {
+        match self.plane {
+            Plane::H => (2 * self.r, self.i),
+            Plane::V => (2 * self.r + 1, 2 * self.i),
+            Plane::D => (2 * self.r + 1, 2 * self.i + 1),
+        }
+    }
 }
 
 /// Part of the four planes. Rows are pushed from the top; columns are those of the strip and [`HALO`] to either side.
