@@ -217,9 +217,41 @@ impl Layout {
     }
 
     /// The odd vertex at barycentric coordinates of level j + 1 (sum `2n`), unfolded like [`Layout::resolve`].
+    #[inline]
     pub fn resolve_odd(&self, face: u32, b: [i32; 3]) -> Option<Odd> {
-        let (face, b) = self.unfold(face, b)?;
-        Some(self.odd_at(site_in(&self.base, 2 * self.n, face, b)))
+        // Nearly all are asked for inside the face or one that shares an edge with it.
+        let site = match self.inside_or_beside(face, b) {
+            Some(site) => site,
+            None => {
+                let (face, b) = self.unfold(face, b)?;
+                site_in(&self.base, 2 * self.n, face, b)
+            }
+        };
+        Some(self.odd_at(site))
+    }
+
+    /// The site of barycentric coordinates of any level inside a face or inside one that shares an edge with it.
+    #[inline(always)]
+    pub(crate) fn inside_or_beside(&self, face: u32, b: [i32; 3]) -> Option<Site> {
+        let [b0, i, r] = b;
+        // Seen from across an edge: `h` from it, along it `p` and `q` from its ends.
+        let (k, p, q, h) = match (b0 > 0, i > 0, r > 0) {
+            (true, true, true) => return Some(Site::Face { face, i: i as u32, r: r as u32 }),
+            (true, true, false) => (0, b0 + r, i + r, -r),
+            (false, true, true) => (1, i + b0, r + b0, -b0),
+            (true, false, true) => (2, r + i, b0 + i, -i),
+            _ => return None,
+        };
+        if p <= 0 || q <= 0 || h == 0 {
+            return None;
+        }
+        let side = self.base.across(face, k)?;
+        let (i, r) = match side.k {
+            0 => (p, h),
+            1 => (q, p),
+            _ => (h, q),
+        };
+        Some(Site::Face { face: side.face, i: i as u32, r: r as u32 })
     }
 
     // ---- odd vertices -------------------------------------------------------------------------------------

@@ -126,7 +126,8 @@ impl Surface {
         for &(odd, site) in odds.members() {
             let finer = &self.scaling[level.index() + 1];
             let parents = coarse.parents(site);
-            let [u, w] = parents.map(|p| finer[fine.slot(Layout::refine(p)).index()]);
+            let at = |p| finer[fine.slot(Layout::refine(p)).index()];
+            let (u, w) = (at(parents[0]), at(parents[1]));
             let detail = minus(finer[fine.slot(site).index()], predicted(u, w));
             if detail != self.wavelets[level.index()][odd as usize] {
                 self.store_wavelet(level, Odd(odd), detail, changes);
@@ -195,7 +196,9 @@ impl Surface {
         // Odd vertices whose detail or whose parents changed are predicted anew.
         for &(odd, site) in odds.members() {
             let finer = &self.scaling[level.index() + 1];
-            let [u, w] = coarse.parents(site).map(|p| finer[fine.slot(Layout::refine(p)).index()]);
+            let at = |p| finer[fine.slot(Layout::refine(p)).index()];
+            let [p, q] = coarse.parents(site);
+            let (u, w) = (at(p), at(q));
             let new = plus(self.wavelets[level.index()][odd as usize], predicted(u, w));
             steps.extend(self.store_scaling(level.finer(), fine.slot(site), new, changes));
         }

@@ -2,7 +2,6 @@
 
 use super::window::HALO;
 use crate::hierarchy::{Layout, Site};
-use std::ops::Range;
 
 /// A base face and two levels over it.
 pub(super) struct Chart<'a> {
@@ -13,8 +12,6 @@ pub(super) struct Chart<'a> {
     pub(super) fine: &'a Layout,
     /// By edge of the face: the edge, and whether its low end is the edge's start.
     edges: [(u32, bool); 3],
-    /// By edge of the face: the face across it and which of that face's edges it is.
-    across: [Option<(u32, u8)>; 3],
     /// By corner of the face: whether the grid goes on around it as the regular lattice does.
     regular: [bool; 3],
 }
@@ -38,7 +35,6 @@ impl<'a> Chart<'a> {
             coarse,
             fine,
             edges: std::array::from_fn(|k| (edges[k], base.edges()[edges[k] as usize][0] == corners[k])),
-            across: std::array::from_fn(|k| base.across(face, k as u8).map(|side| (side.face, side.k))),
             regular: corners.map(|v| base.is_regular(v)),
         }
     }
@@ -54,66 +50,20 @@ impl<'a> Chart<'a> {
         ((-halo).max(-halo - r), (n - r + halo).min(n + halo))
     }
 
-    /// Calls back for points of row `r` of the unfolded grid of level j + 1, most of them outside the face, with their
-    /// sites; `None` beyond the boundary and around extraordinary corners, over which no stencil reaches.
+    /// Calls back for points of row `r` of the unfolded grid of level j + 1, with their sites; `None` beyond the boundary
+    /// and around extraordinary corners, over which no stencil reaches.
     #[inline(always)]
-    pub(super) fn outside(&self, r: i32, from: i32, to: i32, mut found: impl FnMut(i32, Option<Site>)) {
-        // The left and the right side each have a face beside them.
-        let middle = ((2 * self.n() - r) / 2).clamp(from - 1, to);
-        if r >= 0 {
-            self.on_one_side(r, from, middle, &mut found);
-        }
-        self.on_one_side(r, if r >= 0 { middle + 1 } else { from }, to, &mut found);
-    }
-
-    /// [`Chart::outside`] for points that do not lie on both sides of the face.
-    fn on_one_side(&self, r: i32, from: i32, to: i32, found: &mut impl FnMut(i32, Option<Site>)) {
-        let n = 2 * self.n();
-        // Points inside a face that shares an edge with this one are nearly all.
-        let (k, beside) = match r {
-            ..0 => (0, 1 - r..n),
-            _ if from < 0 => (2, (1 - r).min(0)..0),
-            _ => (1, n - r + 1..n),
-        };
-        let (first, last) = (beside.start.clamp(from, to + 1), beside.end.clamp(from, to + 1));
-        let between = if r >= n { from..from } else { first..last.max(first) };
-        self.beside(k, r, between.clone(), found);
-        for i in (from..between.start).chain(between.end..to + 1) {
-            found(i, self.elsewhere(i, r));
+    pub(super) fn unfold(&self, r: i32, from: i32, to: i32, mut found: impl FnMut(i32, Option<Site>)) {
+        for i in from..=to {
+            let b = [2 * self.n() - i - r, i, r];
+            found(i, self.fine.inside_or_beside(self.face, b).or_else(|| self.elsewhere(b)));
         }
     }
 
-    /// The points of a row that lie inside the face across edge `k`.
-    #[inline(always)]
-    fn beside(&self, k: usize, r: i32, points: Range<i32>, found: &mut impl FnMut(i32, Option<Site>)) {
-        let n = 2 * self.n();
-        // As the neighbour sees a point: `h` from the edge, along it `p` and `q` from its two ends.
-        let seen = |i: i32| {
-            let (p, q, h) = match k {
-                0 => (n - i, i + r, -r),
-                1 => (n - r, n - i, i + r - n),
-                _ => (r + i, n - r, -i),
-            };
-            self.across[k].map(|(_, own)| [[p, h], [q, p], [h, q]][usize::from(own)])
-        };
-        let (Some(start), Some(next)) = (seen(points.start), seen(points.start + 1)) else {
-            points.for_each(|i| found(i, None));
-            return;
-        };
-        let face = self.across[k].expect("seen from there").0;
-        let [mut along, mut row] = start;
-        for i in points {
-            found(i, Some(Site::Face { face, i: along as u32, r: row as u32 }));
-            along += next[0] - start[0];
-            row += next[1] - start[1];
-        }
-    }
-
-    /// The site of a point that is not beside the face.
+    /// The site of a point that is neither in the face nor beside it.
     #[cold]
-    fn elsewhere(&self, i: i32, r: i32) -> Option<Site> {
-        let b = [2 * self.n() - i - r, i, r];
-        if let Some(OnEdge { k, t }) = self.on_edge(2 * self.n(), i, r) {
+    fn elsewhere(&self, b: [i32; 3]) -> Option<Site> {
+        if let Some(OnEdge { k, t }) = self.on_edge(2 * self.n(), b[1], b[2]) {
             return Some(Site::Edge { edge: self.edges[k].0, t });
         }
         let corner = if b[0] >= b[1] && b[0] >= b[2] { 0 } else { 1 + usize::from(b[2] > b[1]) };

@@ -52,11 +52,11 @@ impl Strip {
         // Columns whose pair lies inside the face.
         let (from, to) = (left.max(1), right.min((stored.len() as i32 - 1).div_euclid(2)));
         if from > to {
-            chart.outside(rho, low, high, put);
+            chart.unfold(rho, low, high, put);
             return;
         }
-        chart.outside(rho, low, 2 * from - 1, &mut put);
-        chart.outside(rho, 2 * to + 2, high, &mut put);
+        chart.unfold(rho, low, 2 * from - 1, &mut put);
+        chart.unfold(rho, 2 * to + 2, high, &mut put);
         let columns = (from - left) as usize..(to - left + 1) as usize;
         let stored = &stored[(2 * from - 1) as usize..(2 * to + 1) as usize];
         pairs::split(stored, &mut a[columns.clone()], &mut b[columns]);

@@ -84,13 +84,13 @@ impl Engine<'_> {
         };
         let (from, to) = (low.max(0), high.min(n - r - 1));
         if (1..n).contains(&r) && from <= to {
-            chart.outside(2 * r, 2 * low, 2 * from - 1, &mut put);
-            chart.outside(2 * r, 2 * to + 2, 2 * high + 1, &mut put);
+            chart.unfold(2 * r, 2 * low, 2 * from - 1, &mut put);
+            chart.unfold(2 * r, 2 * to + 2, 2 * high + 1, &mut put);
             let start = chart.coarse.odd_row_start(2 * r as u32) as usize;
             h[(from - left) as usize..=(to - left) as usize]
                 .copy_from_slice(&own[start + from as usize..=start + to as usize]);
         } else {
-            chart.outside(2 * r, 2 * low, 2 * high + 1, put);
+            chart.unfold(2 * r, 2 * low, 2 * high + 1, put);
         }
     }
 
