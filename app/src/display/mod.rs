@@ -2,6 +2,7 @@
 //! the overlays that explain it. Knows the core and the renderer's plain types; neither egui nor wgpu.
 
 mod frame;
+mod normals;
 mod overlay;
 mod pick_tree;
 mod subtriangle;
