@@ -119,8 +119,8 @@ fn assert_report(before: &Surface, after: &Surface, moved: &[Moved], what: &str)
     for (j, moved) in moved.iter().enumerate() {
         let level = Level(j as u8);
         let mut reported = vec![matches!(moved, Moved::Everything); before.scaling(level).len()];
-        if let Moved::Some(slots) = moved {
-            for slot in slots {
+        if let Moved::Some(runs) = moved {
+            for slot in runs.slots() {
                 reported[slot.index()] = true;
             }
         }

@@ -3,6 +3,7 @@
 
 mod frame;
 mod heat;
+mod normals;
 mod overlay;
 mod pick_tree;
 mod subtriangle;

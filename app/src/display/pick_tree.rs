@@ -98,18 +98,18 @@ impl PickTree {
 
     /// Follows an edit. Cost: the moved vertices and the paths above them.
     pub fn follow(&mut self, surface: &Surface, vertices: &ShownVertices, moved: &Moved) {
-        let slots = match moved {
+        let runs = match moved {
             Moved::Nothing => return,
             Moved::Everything => {
                 *self = Self::new(surface.hierarchy(), vertices);
                 return;
             }
-            Moved::Some(slots) => slots,
+            Moved::Some(runs) => runs,
         };
         let layout = surface.hierarchy().layout(self.shown);
         let leaf = Level(self.boxes.len() as u8 - 1);
         let mut touched: FxHashSet<Subtriangle> = FxHashSet::default();
-        for &slot in slots {
+        for slot in runs.slots() {
             for triangle in incident(layout, layout.site(slot)) {
                 touched.insert((leaf.0..self.shown.0).fold(triangle, |t, _| t.parent()));
             }

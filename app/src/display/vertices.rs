@@ -1,9 +1,8 @@
 //! The vertices of the shown level, for the renderer.
 
-use super::Frame;
-use bozzetto_core::hierarchy::{Layout, Level, Slot};
+use super::{Frame, normals};
+use bozzetto_core::hierarchy::{Level, Slot};
 use bozzetto_core::surface::{Moved, Surface};
-use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -27,9 +26,7 @@ impl ShownVertices {
         let frame = Frame::of(&surface.form().placement);
         let positions: Vec<[f32; 3]> =
             surface.scaling(level).par_iter().map(|&p| frame.place_f32(p)).collect();
-        let layout = surface.hierarchy().layout(level);
-        let normals =
-            (0..layout.len()).into_par_iter().map(|s| normal(layout, Slot(s), &positions)).collect();
+        let normals = normals::all(surface.hierarchy().layout(level), &positions);
         Self { level, frame, positions, normals, offsets: Vec::new() }
     }
 
@@ -47,8 +44,10 @@ impl ShownVertices {
                 difference(fine, shown.positions[slot as usize])
             })
             .collect();
-        let all = (0..layout.len()).map(Slot).collect();
-        shown.follow(surface, &Moved::Some(all));
+        for slot in 0..layout.len() {
+            shown.positions[slot as usize] = shown.placed(surface, Slot(slot));
+        }
+        shown.normals = normals::all(layout, &shown.positions);
         shown
     }
 
@@ -89,21 +88,14 @@ impl ShownVertices {
                 *self = Self::new(surface, self.level);
                 std::iter::once(0..self.positions.len() as u32).collect()
             }
-            Moved::Some(slots) => {
+            Moved::Some(runs) => {
                 let layout = surface.hierarchy().layout(self.level);
-                for &slot in slots {
+                for slot in runs.slots() {
                     self.positions[slot.index()] = self.placed(surface, slot);
                 }
-                let mut turned: Vec<u32> =
-                    slots.par_iter().flat_map_iter(|&slot| around(layout, slot)).collect();
-                turned.par_sort_unstable();
-                turned.dedup();
-                let normals: Vec<[f32; 3]> =
-                    turned.par_iter().map(|&slot| normal(layout, Slot(slot), &self.positions)).collect();
-                for (&slot, normal) in turned.iter().zip(normals) {
-                    self.normals[slot as usize] = normal;
-                }
-                runs(&turned)
+                let turned = normals::widened(layout, &normals::rows_of(layout, runs.iter()));
+                normals::refresh(layout, &self.positions, &turned, &mut self.normals);
+                joined(turned.iter().map(|row| row.slots(layout)))
             }
         }
     }
@@ -113,31 +105,14 @@ fn difference(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|c| a[c] - b[c])
 }
 
-/// A vertex and its neighbours.
-fn around(layout: &Layout, slot: Slot) -> impl Iterator<Item = u32> {
-    let ring: Vec<u32> = layout.ring_slots(layout.site(slot)).map(|s| s.0).collect();
-    std::iter::once(slot.0).chain(ring)
-}
-
-/// Joins sorted slots to runs, over small gaps.
-fn runs(slots: &[u32]) -> Vec<Range<u32>> {
-    let mut runs: Vec<Range<u32>> = Vec::new();
-    for &slot in slots {
-        match runs.last_mut() {
-            Some(run) if slot <= run.end + GAP => run.end = slot + 1,
-            _ => runs.push(slot..slot + 1),
+/// Joins sorted runs over small gaps.
+fn joined(runs: impl Iterator<Item = Range<u32>>) -> Vec<Range<u32>> {
+    let mut joined: Vec<Range<u32>> = Vec::new();
+    for run in runs {
+        match joined.last_mut() {
+            Some(last) if run.start <= last.end + GAP => last.end = run.end,
+            _ => joined.push(run),
         }
     }
-    runs
-}
-
-/// The normal of a vertex: its faces' normals, weighted by area.
-fn normal(layout: &Layout, slot: Slot, positions: &[[f32; 3]]) -> [f32; 3] {
-    let ring = layout.ring(layout.site(slot));
-    let at = |s: usize| DVec3::from_array(positions[layout.slot(ring.around[s]).index()].map(f64::from));
-    let centre = DVec3::from_array(positions[slot.index()].map(f64::from));
-    let sum: DVec3 = (0..ring.faces())
-        .map(|k| (at(k) - centre).cross(at((k + 1) % ring.around.len()) - centre))
-        .fold(DVec3::ZERO, |sum, n| sum + n);
-    sum.normalize_or(DVec3::Y).as_vec3().to_array()
+    joined
 }

@@ -66,6 +66,7 @@ pub struct BaseMesh {
     edges: Vec<[u32; 2]>,
     face_edges: Vec<[u32; 3]>,
     sides: Vec<[Option<EdgeSide>; 2]>,
+    across: Vec<[Option<EdgeSide>; 3]>,
     fans: Vec<Fan>,
     sharp: Vec<bool>,
     sharp_valence: Vec<u32>,
@@ -112,6 +113,15 @@ impl BaseMesh {
                 pair[usize::from(pair[0].is_some())] = side;
             }
         }
+        let across = face_edges
+            .iter()
+            .zip(0..)
+            .map(|(edges_of_face, face)| {
+                edges_of_face.map(|e| {
+                    sides[e as usize].into_iter().flatten().find(|side: &EdgeSide| side.face != face)
+                })
+            })
+            .collect();
         let fans = (0..vertex_count)
             .map(|v| Fan {
                 corners: connectivity.fan(v).map(|h| (h / 3, (h % 3) as u8)).collect(),
@@ -136,6 +146,7 @@ impl BaseMesh {
             edges,
             face_edges,
             sides,
+            across,
             fans,
             sharp: marks,
             sharp_valence,
@@ -143,21 +154,25 @@ impl BaseMesh {
     }
 
     /// Number of vertices, `V0`.
+    #[inline]
     pub fn vertex_count(&self) -> u32 {
         self.fans.len() as u32
     }
 
     /// Faces, lowest vertex first, sorted, consistently oriented.
+    #[inline]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
 
     /// Edges as (low, high), sorted.
+    #[inline]
     pub fn edges(&self) -> &[[u32; 2]] {
         &self.edges
     }
 
     /// The edges of each face: entry `k` joins corners `k` and `k + 1`.
+    #[inline]
     pub fn face_edges(&self, face: u32) -> [u32; 3] {
         self.face_edges[face as usize]
     }
@@ -168,10 +183,9 @@ impl BaseMesh {
     }
 
     /// The face across edge `k` of a face.
+    #[inline]
     pub fn across(&self, face: u32, k: u8) -> Option<EdgeSide> {
-        let here = EdgeSide { face, k };
-        let pair = self.sides(self.face_edges[face as usize][usize::from(k)]);
-        if pair[0] == Some(here) { pair[1] } else { pair[0] }
+        self.across[face as usize][usize::from(k)]
     }
 
     /// The faces around a vertex.

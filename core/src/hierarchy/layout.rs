@@ -76,21 +76,25 @@ impl Layout {
     }
 
     /// The base mesh.
+    #[inline]
     pub fn base(&self) -> &Arc<BaseMesh> {
         &self.base
     }
 
     /// The level j.
+    #[inline]
     pub fn level(&self) -> Level {
         self.level
     }
 
     /// `n = 2^j`.
+    #[inline]
     pub fn segments(&self) -> u32 {
         self.n
     }
 
     /// The number of vertices `n_j` of `M^j`.
+    #[inline]
     pub fn len(&self) -> u32 {
         self.len
     }
@@ -107,6 +111,7 @@ impl Layout {
     }
 
     /// The slot of a site.
+    #[inline]
     pub fn slot(&self, site: Site) -> Slot {
         Slot(match site {
             Site::Base(v) => v,
@@ -132,17 +137,20 @@ impl Layout {
     }
 
     /// Slots of row `r` of a face before it: rows 1 to r − 1 hold `n − s − 1` each.
+    #[inline]
     fn row_start(&self, r: u32) -> u32 {
         (r - 1) * (self.n - 1) - r * (r - 1) / 2
     }
 
     /// The first slot of row `r` (from 1 to `n − 2`) of a face's interior; the row holds `n − r − 1` slots, `i`
     /// from 1.
+    #[inline]
     pub fn row(&self, face: u32, r: u32) -> Slot {
         Slot(self.faces_at + face * self.per_face + self.row_start(r))
     }
 
     /// The site of a point given by non-negative barycentric coordinates with sum `n` in a face.
+    #[inline]
     pub fn site_at(&self, face: u32, b: [u32; 3]) -> Site {
         site_in(&self.base, self.n, face, b)
     }
@@ -209,9 +217,41 @@ impl Layout {
     }
 
     /// The odd vertex at barycentric coordinates of level j + 1 (sum `2n`), unfolded like [`Layout::resolve`].
+    #[inline]
     pub fn resolve_odd(&self, face: u32, b: [i32; 3]) -> Option<Odd> {
-        let (face, b) = self.unfold(face, b)?;
-        Some(self.odd_at(site_in(&self.base, 2 * self.n, face, b)))
+        // Nearly all are asked for inside the face or one that shares an edge with it.
+        let site = match self.inside_or_beside(face, b) {
+            Some(site) => site,
+            None => {
+                let (face, b) = self.unfold(face, b)?;
+                site_in(&self.base, 2 * self.n, face, b)
+            }
+        };
+        Some(self.odd_at(site))
+    }
+
+    /// The site of barycentric coordinates of any level inside a face or inside one that shares an edge with it.
+    #[inline(always)]
+    pub(crate) fn inside_or_beside(&self, face: u32, b: [i32; 3]) -> Option<Site> {
+        let [b0, i, r] = b;
+        // Seen from across an edge: `h` from it, along it `p` and `q` from its ends.
+        let (k, p, q, h) = match (b0 > 0, i > 0, r > 0) {
+            (true, true, true) => return Some(Site::Face { face, i: i as u32, r: r as u32 }),
+            (true, true, false) => (0, b0 + r, i + r, -r),
+            (false, true, true) => (1, i + b0, r + b0, -b0),
+            (true, false, true) => (2, r + i, b0 + i, -i),
+            _ => return None,
+        };
+        if p <= 0 || q <= 0 || h == 0 {
+            return None;
+        }
+        let side = self.base.across(face, k)?;
+        let (i, r) = match side.k {
+            0 => (p, h),
+            1 => (q, p),
+            _ => (h, q),
+        };
+        Some(Site::Face { face: side.face, i: i as u32, r: r as u32 })
     }
 
     // ---- odd vertices -------------------------------------------------------------------------------------
@@ -231,6 +271,7 @@ impl Layout {
     }
 
     /// The odd vertex of this level at a site of level j + 1; the site must be odd.
+    #[inline]
     pub fn odd_at(&self, site: Site) -> Odd {
         let n = self.n;
         Odd(match site {
@@ -244,11 +285,13 @@ impl Layout {
     }
 
     /// The first odd vertex inside a face.
+    #[inline]
     pub fn odd_face_start(&self, face: u32) -> u32 {
         self.base.edges().len() as u32 * self.n + face * (3 * self.n * (self.n - 1) / 2)
     }
 
     /// Odd vertices in rows 1 to r − 1 of a face's grid at level j + 1: all of an odd row, every second of an even.
+    #[inline]
     pub fn odd_row_start(&self, r: u32) -> u32 {
         let (m, fine) = (r - 1, 2 * self.n);
         let (odd_rows, even_rows) = (m.div_ceil(2), m / 2);
@@ -263,17 +306,16 @@ impl Layout {
                 [self.along_edge(edge, (t - 1) / 2), self.along_edge(edge, t.div_ceil(2))]
             }
             Site::Face { face, i, r } => {
-                let b = [2 * self.n - i - r, i, r];
+                let at = |i: u32, r: u32| {
+                    let (i, r) = (i / 2, r / 2);
+                    self.site_at(face, [self.n - i - r, i, r])
+                };
                 // Two of the three coordinates are odd; the edge runs between them.
-                let even =
-                    (0..3).find(|&k| b[k].is_multiple_of(2)).expect("the coordinates have an even sum");
-                let (p, q) = ((even + 1) % 3, (even + 2) % 3);
-                [(p, q), (q, p)].map(|(up, down)| {
-                    let mut at = b;
-                    at[up] += 1;
-                    at[down] -= 1;
-                    self.site_at(face, at.map(|x| x / 2))
-                })
+                match (i % 2, r % 2) {
+                    (1, 0) => [at(i - 1, r), at(i + 1, r)],
+                    (0, 1) => [at(i, r - 1), at(i, r + 1)],
+                    _ => [at(i + 1, r - 1), at(i - 1, r + 1)],
+                }
             }
         }
     }
@@ -289,6 +331,7 @@ impl Layout {
     }
 
     /// The same vertex seen from one level finer.
+    #[inline]
     pub fn refine(site: Site) -> Site {
         match site {
             Site::Base(v) => Site::Base(v),
@@ -298,6 +341,7 @@ impl Layout {
     }
 
     /// The site one level coarser, if the vertex exists there.
+    #[inline]
     pub fn coarsen(site: Site) -> Option<Site> {
         Some(match site {
             Site::Base(v) => Site::Base(v),
@@ -353,6 +397,7 @@ impl Layout {
 }
 
 /// The site, at the level with `n` segments, of barycentric coordinates with sum `n`.
+#[inline]
 pub(super) fn site_in(base: &BaseMesh, n: u32, face: u32, b: [u32; 3]) -> Site {
     debug_assert_eq!(b[0] + b[1] + b[2], n);
     let corner = |k: usize| base.faces()[face as usize][k];

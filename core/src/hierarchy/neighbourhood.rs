@@ -57,13 +57,22 @@ impl Layout {
         Ring { around, closed: fan.closed }
     }
 
-    /// Looking along the edge in the direction of its first side: ahead, the two vertices on the left (in that
-    /// face), behind, the two on the right.
     fn ring_of_edge(&self, edge: u32, t: u32) -> Ring<Site> {
-        let sides = self.base().sides(edge);
-        let half = |side: super::EdgeSide| -> [Site; 4] {
-            let b = self.on_side(edge, side.face, side.k, t);
-            let k = usize::from(side.k);
+        let [left, right] = self.beside_edge(edge, t);
+        let left = left.expect("an edge has a face");
+        match right {
+            None => Ring { around: left.to_vec(), closed: false },
+            Some(right) => {
+                Ring { around: vec![left[0], left[1], left[2], left[3], right[1], right[2]], closed: true }
+            }
+        }
+    }
+
+    /// The neighbours of an edge's vertex in the faces to either side, counter-clockwise: looking along the edge in
+    /// the side's direction, the one ahead, two inside the face, the one behind.
+    fn beside_edge(&self, edge: u32, t: u32) -> [Option<[Site; 4]>; 2] {
+        let beside = |side: super::EdgeSide| {
+            let (b, k) = (self.on_side(edge, side.face, side.k, t), usize::from(side.k));
             let at = |p: i32, q: i32, o: i32| {
                 let mut moved = b;
                 moved[k] = moved[k].wrapping_add_signed(p);
@@ -73,14 +82,8 @@ impl Layout {
             };
             [at(-1, 1, 0), at(-1, 0, 1), at(0, -1, 1), at(1, -1, 0)]
         };
-        let left = half(sides[0].expect("an edge has a face"));
-        match sides[1] {
-            None => Ring { around: left.to_vec(), closed: false },
-            Some(side) => {
-                let right = half(side);
-                Ring { around: vec![left[0], left[1], left[2], left[3], right[1], right[2]], closed: true }
-            }
-        }
+        let [first, second] = self.base().sides(edge);
+        [first.map(beside), second.map(beside)]
     }
 
     /// Calls back for each neighbour of a vertex, in no particular order. Faster than [`Layout::ring`]: inside a base
@@ -93,7 +96,18 @@ impl Layout {
                     found(Site::Face { face, i, r });
                 }
             }
-            _ => self.ring(site).around.into_iter().for_each(found),
+            Site::Face { face, i, r } => {
+                for [_, di, dr] in DIRECTIONS {
+                    let (i, r) = (i.wrapping_add_signed(di), r.wrapping_add_signed(dr));
+                    found(self.site_at(face, [self.segments() - i - r, i, r]));
+                }
+            }
+            Site::Edge { edge, t } => {
+                let [left, right] = self.beside_edge(edge, t);
+                left.into_iter().flatten().for_each(&mut found);
+                right.iter().flat_map(|right| [right[1], right[2]]).for_each(found);
+            }
+            Site::Base(_) => self.ring(site).around.into_iter().for_each(found),
         }
     }
 

@@ -1,6 +1,56 @@
 //! What an edit moved, level by level, so that whoever draws or stores can follow it and nothing more.
 
 use crate::hierarchy::{Level, Slot};
+use std::ops::Range;
+
+/// Runs of slots, sorted and apart. A run lies in one row of a base face, on one base edge, or among base vertices.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Runs(Vec<Range<u32>>);
+
+impl Runs {
+    /// The runs of some slots, in any order and any number of times. `O(m log m)`.
+    pub fn of_slots(mut slots: Vec<u32>) -> Self {
+        slots.sort_unstable();
+        Self::of_sorted(slots.into_iter().map(|slot| slot..slot + 1))
+    }
+
+    /// Joins runs in any order. `O(m log m)`.
+    pub fn of_runs(mut runs: Vec<Range<u32>>) -> Self {
+        runs.sort_unstable_by_key(|run| run.start);
+        Self::of_sorted(runs.into_iter())
+    }
+
+    fn of_sorted(sorted: impl Iterator<Item = Range<u32>>) -> Self {
+        let mut runs: Vec<Range<u32>> = Vec::new();
+        for run in sorted {
+            match runs.last_mut() {
+                Some(last) if run.start <= last.end => last.end = last.end.max(run.end),
+                _ => runs.push(run),
+            }
+        }
+        Self(runs)
+    }
+
+    /// The runs in order.
+    pub fn iter(&self) -> impl Iterator<Item = Range<u32>> + '_ {
+        self.0.iter().cloned()
+    }
+
+    /// All slots in order.
+    pub fn slots(&self) -> impl Iterator<Item = Slot> + '_ {
+        self.iter().flatten().map(Slot)
+    }
+
+    /// The number of slots.
+    pub fn len(&self) -> usize {
+        self.0.iter().map(|run| run.len()).sum()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
 
 /// The vertices of one level whose positions changed.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -8,8 +58,8 @@ pub enum Moved {
     /// None.
     #[default]
     Nothing,
-    /// These, in no particular order, each once.
-    Some(Vec<Slot>),
+    /// None but vertices in these runs; nearly all of those.
+    Some(Runs),
     /// Possibly all.
     Everything,
 }
@@ -33,6 +83,13 @@ impl Changes {
         &self.moved[level.index()]
     }
 
+    /// Notes what moved at a level.
+    pub(super) fn record(&mut self, level: Level, runs: Runs) {
+        if !runs.is_empty() {
+            self.moved[level.index()] = Moved::Some(runs);
+        }
+    }
+
     /// Joins what a later edit changed to this.
     pub fn join(&mut self, later: Changes) {
         self.beyond_limit |= later.beyond_limit;
@@ -44,11 +101,9 @@ impl Changes {
             *mine = match (std::mem::take(mine), theirs) {
                 (Moved::Nothing, other) | (other, Moved::Nothing) => other,
                 (Moved::Everything, _) | (_, Moved::Everything) => Moved::Everything,
-                (Moved::Some(mut a), Moved::Some(b)) => {
+                (Moved::Some(Runs(mut a)), Moved::Some(Runs(b))) => {
                     a.extend(b);
-                    a.sort_unstable();
-                    a.dedup();
-                    Moved::Some(a)
+                    Moved::Some(Runs::of_runs(a))
                 }
             };
         }

@@ -1,12 +1,13 @@
 //! Local re-synthesis and local analysis: the cost follows the edit, the result is that of the whole transform.
 //!
 //! An edit at level j changes a set of vertices there. Downwards, predict and update are repeated for exactly the
-//! coefficients whose inputs changed; upwards, even vertices pass their change on unaltered (the details that
-//! update them did not change) and odd vertices are predicted anew.
+//! coefficients whose inputs changed, vertex by vertex, for they are few; upwards, where the support grows fourfold a
+//! level, whole runs of rows go through [`refine`].
 
-use super::{Changes, Marks, Moved, Surface, Vector, within_limit};
+use super::{Changes, LIMIT, Marks, Moved, Runs, Surface, Vector, within_limit};
 use crate::hierarchy::{Layout, Level, Odd, PublicId, Site, Slot};
-use crate::wavelet::lifting::{minus, plus, predicted, rounded, synthesise_level};
+use crate::wavelet::lifting::{minus, plus, predicted, rounded};
+use crate::wavelet::rows::{Patch, refine, synthesise_level};
 
 /// A change of position: what was added to `c^j` at a slot.
 type Step = (Slot, Vector);
@@ -38,13 +39,15 @@ impl Surface {
                 self.sum.replace(PublicId(slot.0), old, new);
             }
         }
-        let mut down = steps.clone();
-        for j in (0..level.0).rev() {
-            down = self.descend(Level(j), &down, &mut changes);
-            record(&mut changes, Level(j), &down);
+        let layout = self.hierarchy.layout(level);
+        let mut moved: Vec<Site> = steps.iter().map(|&(slot, _)| layout.site(slot)).collect();
+        for j in (0..level.0).rev().map(Level) {
+            moved = self.descend(j, &moved, &mut changes);
+            let layout = self.hierarchy.layout(j);
+            changes.record(j, Runs::of_slots(moved.iter().map(|&site| layout.slot(site).0).collect()));
         }
-        record(&mut changes, level, &steps);
-        self.climb_to(reach, level, steps, &[], &mut changes);
+        changes.record(level, runs_of(&steps));
+        self.climb(reach, level, &steps, &mut changes);
         changes
     }
 
@@ -68,7 +71,11 @@ impl Surface {
             self.store_wavelet(level, odd, new, &mut changes);
             changed.push(odd);
         }
-        self.climb_to(reach, level, Vec::new(), &changed, &mut changes);
+        if reach > level {
+            let steps = self.climb_from_details(level, &changed, &mut changes);
+            changes.record(level.finer(), runs_of(&steps));
+            self.climb(reach, level.finer(), &steps, &mut changes);
+        }
         changes
     }
 
@@ -92,8 +99,8 @@ impl Surface {
         (old, changes)
     }
 
-    /// One level of local analysis: from the changes of `c^{j+1}` to those of `d^j` and `c^j`.
-    fn descend(&mut self, level: Level, finer_steps: &[Step], changes: &mut Changes) -> Vec<Step> {
+    /// One level of local analysis: from the vertices of `M^{j+1}` that moved to those of `M^j` that did.
+    fn descend(&mut self, level: Level, moved: &[Site], changes: &mut Changes) -> Vec<Site> {
         let hierarchy = self.hierarchy.clone();
         let (coarse, fine) = (hierarchy.layout(level), hierarchy.layout(level.finer()));
         let mut marks = std::mem::take(&mut self.marks);
@@ -102,78 +109,61 @@ impl Surface {
         // Details whose own vertex or whose parents moved. The fine neighbours of an even vertex are odd.
         odds.reset(coarse.odd_len());
         evens.reset(coarse.len());
-        for &(slot, _) in finer_steps {
-            let site = fine.site(slot);
+        for &site in moved {
             match Layout::coarsen(site) {
                 None => {
-                    odds.insert(coarse.odd_at(site).0);
+                    odds.insert(coarse.odd_at(site).0, site);
                 }
                 Some(even) => {
-                    evens.insert(coarse.slot(even).0);
+                    evens.insert(coarse.slot(even).0, even);
                     fine.for_each_neighbour(site, |odd| {
-                        odds.insert(coarse.odd_at(odd).0);
+                        odds.insert(coarse.odd_at(odd).0, odd);
                     });
                 }
             }
         }
-        let radius = self.form.wavelet.disc_radius();
         let mut ends = Vec::new();
-        for &odd in odds.members() {
-            let odd = Odd(odd);
-            let site = coarse.odd_site(odd);
+        for &(odd, site) in odds.members() {
+            let finer = &self.scaling[level.index() + 1];
             let parents = coarse.parents(site);
-            let [u, w] =
-                parents.map(|p| self.scaling[level.index() + 1][fine.slot(Layout::refine(p)).index()]);
-            let own = self.scaling[level.index() + 1][fine.slot(site).index()];
-            let detail = minus(own, predicted(u, w));
-            if detail != self.wavelets[level.index()][odd.index()] {
-                self.store_wavelet(level, odd, detail, changes);
+            let at = |p| finer[fine.slot(Layout::refine(p)).index()];
+            let (u, w) = (at(parents[0]), at(parents[1]));
+            let detail = minus(finer[fine.slot(site).index()], predicted(u, w));
+            if detail != self.wavelets[level.index()][odd as usize] {
+                self.store_wavelet(level, Odd(odd), detail, changes);
                 ends.extend(parents);
             }
         }
         // Even vertices that moved, and those in the discs of changed details.
-        if let Some(k) = radius {
+        if let Some(k) = self.form.wavelet.disc_radius() {
             spread(coarse, &ends, k, odds, evens);
         }
         let mut steps = Vec::new();
-        for &slot in evens.members() {
-            let slot = Slot(slot);
-            let site = coarse.site(slot);
+        for &(slot, site) in evens.members() {
             let finer = self.scaling[level.index() + 1][fine.slot(Layout::refine(site)).index()];
-            let new = plus(finer, rounded(self.filters.gather(coarse, site, &self.wavelets[level.index()])));
-            if let Some(step) = self.store_scaling(level, slot, new, changes) {
-                steps.push(step);
+            let sum = self.filters.sum_within_limit(coarse, site, &self.wavelets[level.index()]);
+            if self.store_scaling(level, Slot(slot), plus(finer, rounded(sum)), changes).is_some() {
+                steps.push(site);
             }
         }
         self.marks = marks;
         steps
     }
 
-    /// Local synthesis of the levels up to `reach` from the changes of `c^j` and the changed details of level j.
-    fn climb_to(
-        &mut self,
-        reach: Level,
-        level: Level,
-        steps: Vec<Step>,
-        details: &[Odd],
-        changes: &mut Changes,
-    ) {
-        let mut steps = steps;
-        for j in level.0..reach.0 {
-            let changed = if j == level.0 { details } else { &[] };
-            steps = self.climb(Level(j), &steps, changed, changes);
-            record(changes, Level(j + 1), &steps);
+    /// Local synthesis of the levels up to `reach` from the changes of `c^j`.
+    fn climb(&mut self, reach: Level, level: Level, steps: &[Step], changes: &mut Changes) {
+        let mut patches = Patch::of(self.hierarchy.layout(level), steps);
+        for j in level.0 + 1..=reach.0 {
+            let fine = self.hierarchy.layout(Level(j));
+            let finer = &mut self.scaling[usize::from(j)];
+            let refined = refine(fine, &mut patches, finer, LIMIT, j == reach.0);
+            changes.beyond_limit |= refined.beyond;
+            changes.record(Level(j), Runs::of_runs(refined.runs));
         }
     }
 
-    /// One level of local synthesis: from the changes of `c^j` and `d^j` to those of `c^{j+1}`.
-    fn climb(
-        &mut self,
-        level: Level,
-        coarser_steps: &[Step],
-        details: &[Odd],
-        changes: &mut Changes,
-    ) -> Vec<Step> {
+    /// One level of local synthesis from changed details of level j, where `c^j` stays: the changes of `c^{j+1}`.
+    fn climb_from_details(&mut self, level: Level, details: &[Odd], changes: &mut Changes) -> Vec<Step> {
         let hierarchy = self.hierarchy.clone();
         let (coarse, fine) = (hierarchy.layout(level), hierarchy.layout(level.finer()));
         let mut marks = std::mem::take(&mut self.marks);
@@ -182,40 +172,34 @@ impl Surface {
         evens.reset(coarse.len());
 
         // Even vertices in the discs of changed details are updated anew.
-        if let (Some(k), false) = (self.form.wavelet.disc_radius(), details.is_empty()) {
-            let ends: Vec<_> = details.iter().flat_map(|&odd| coarse.parents(coarse.odd_site(odd))).collect();
+        let sites: Vec<Site> = details.iter().map(|&odd| coarse.odd_site(odd)).collect();
+        if let Some(k) = self.form.wavelet.disc_radius() {
+            let ends: Vec<Site> = sites.iter().flat_map(|&site| coarse.parents(site)).collect();
             spread(coarse, &ends, k, odds, evens);
         }
-        let mut steps: Vec<Step> = Vec::with_capacity(4 * coarser_steps.len());
-        for &slot in evens.members() {
-            let site = coarse.site(Slot(slot));
-            let sum = self.filters.gather(coarse, site, &self.wavelets[level.index()]);
-            let new = minus(self.scaling[level.index()][slot as usize], rounded(sum));
-            let at = fine.slot(Layout::refine(site));
-            steps.extend(self.store_scaling(level.finer(), at, new, changes));
+        odds.reset(coarse.odd_len());
+        for (&odd, &site) in details.iter().zip(&sites) {
+            odds.insert(odd.0, site);
         }
-        // All others pass their change on.
-        for &(slot, delta) in coarser_steps.iter().filter(|(slot, _)| !evens.contains(slot.0)) {
-            let at = fine.slot(Layout::refine(coarse.site(slot)));
-            let new = plus(self.scaling[level.index() + 1][at.index()], delta);
-            steps.extend(self.store_scaling(level.finer(), at, new, changes));
+        let mut steps: Vec<Step> = Vec::with_capacity(4 * evens.members().len());
+        for &(slot, site) in evens.members() {
+            let sum = self.filters.sum_within_limit(coarse, site, &self.wavelets[level.index()]);
+            let new = minus(self.scaling[level.index()][slot as usize], rounded(sum));
+            let site = Layout::refine(site);
+            if let Some(step) = self.store_scaling(level.finer(), fine.slot(site), new, changes) {
+                steps.push(step);
+                fine.for_each_neighbour(site, |odd| {
+                    odds.insert(coarse.odd_at(odd).0, odd);
+                });
+            }
         }
         // Odd vertices whose detail or whose parents changed are predicted anew.
-        odds.reset(coarse.odd_len());
-        for odd in details {
-            odds.insert(odd.0);
-        }
-        for &(slot, _) in &steps {
-            fine.for_each_neighbour(fine.site(slot), |odd| {
-                odds.insert(coarse.odd_at(odd).0);
-            });
-        }
-        for &odd in odds.members() {
-            let odd = Odd(odd);
-            let site = coarse.odd_site(odd);
+        for &(odd, site) in odds.members() {
             let finer = &self.scaling[level.index() + 1];
-            let [u, w] = coarse.parents(site).map(|p| finer[fine.slot(Layout::refine(p)).index()]);
-            let new = plus(self.wavelets[level.index()][odd.index()], predicted(u, w));
+            let at = |p| finer[fine.slot(Layout::refine(p)).index()];
+            let [p, q] = coarse.parents(site);
+            let (u, w) = (at(p), at(q));
+            let new = plus(self.wavelets[level.index()][odd as usize], predicted(u, w));
             steps.extend(self.store_scaling(level.finer(), fine.slot(site), new, changes));
         }
         self.marks = marks;
@@ -250,30 +234,27 @@ impl Surface {
     }
 }
 
+fn runs_of(steps: &[Step]) -> Runs {
+    Runs::of_slots(steps.iter().map(|&(slot, _)| slot.0).collect())
+}
+
 /// Adds to `reached` everything within `k` edges of `ends`. `seen` is scratch space.
 fn spread(layout: &Layout, ends: &[Site], k: u8, seen: &mut Marks, reached: &mut Marks) {
     seen.reset(layout.len());
     for &end in ends {
-        seen.insert(layout.slot(end).0);
+        seen.insert(layout.slot(end).0, end);
     }
     let mut from = 0;
     for _ in 0..k {
         let to = seen.members().len();
         for at in from..to {
-            let site = layout.site(Slot(seen.members()[at]));
-            layout.for_each_neighbour(site, |neighbour| {
-                seen.insert(layout.slot(neighbour).0);
+            layout.for_each_neighbour(seen.members()[at].1, |neighbour| {
+                seen.insert(layout.slot(neighbour).0, neighbour);
             });
         }
         from = to;
     }
-    for &slot in seen.members() {
-        reached.insert(slot);
-    }
-}
-
-fn record(changes: &mut Changes, level: Level, steps: &[Step]) {
-    if !steps.is_empty() {
-        changes.moved[level.index()] = Moved::Some(steps.iter().map(|&(slot, _)| slot).collect());
+    for &(slot, site) in seen.members() {
+        reached.insert(slot, site);
     }
 }

@@ -13,14 +13,14 @@ mod local;
 mod marks;
 mod placement;
 
-pub use changes::{Changes, Moved};
+pub use changes::{Changes, Moved, Runs};
 pub use digest::{CoefficientSum, SurfaceHash, header_bytes};
 pub use form::{Form, FormOptions, NotASurface};
 pub use placement::{DEFAULT_PRECISION, LIMIT, NotPlaceable, PRECISIONS, Placement, UpAxis};
 
 use crate::hierarchy::{Hierarchy, Level, Odd, PublicId, Slot};
 use crate::mesh::TriangleMesh;
-use crate::wavelet::{Filters, ValenceTooHigh, lifting};
+use crate::wavelet::{Filters, ValenceTooHigh, rows};
 use marks::Marks;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -63,7 +63,7 @@ impl Surface {
         let mut wavelets = Vec::new();
         for level in (0..hierarchy.finest().0).rev() {
             let finer = scaling.last().expect("one level at least");
-            let (details, coarser) = lifting::analyse_level(&hierarchy, &filters, Level(level), finer);
+            let (details, coarser) = rows::analyse_level(&hierarchy, &filters, Level(level), finer);
             wavelets.push(details);
             scaling.push(coarser);
         }
@@ -92,7 +92,7 @@ impl Surface {
         for (j, details) in wavelets.iter().enumerate() {
             let level = Level(j as u8);
             assert_eq!(details.len(), hierarchy.layout(level).odd_len() as usize);
-            scaling.push(lifting::synthesise_level(&hierarchy, &filters, level, &scaling[j], details));
+            scaling.push(rows::synthesise_level(&hierarchy, &filters, level, &scaling[j], details));
         }
         Ok(Self::assemble(hierarchy, filters, form, scaling, wavelets))
     }

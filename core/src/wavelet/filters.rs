@@ -5,9 +5,12 @@
 //! wrap around.
 
 use super::Wavelet;
+use super::regularity::{irregular_sites, is_regular};
+use super::rows::Stencil;
 use super::weights::{LARGEST_DISC, WeightSolver};
 use crate::hierarchy::{Hierarchy, Layout, Level, Odd, Site, Slot};
 use crate::mesh::shapes;
+use pulp::{Arch, Simd, WithSimd};
 use rustc_hash::{FxHashMap, FxHashSet};
 use thiserror::Error;
 
@@ -41,6 +44,7 @@ struct TapRow {
 pub struct Filters {
     wavelet: Wavelet,
     regular: Vec<TapRow>,
+    stencil: Stencil,
     explicit: Vec<ExplicitRows>,
 }
 
@@ -61,7 +65,9 @@ impl Filters {
         let explicit = (0..hierarchy.finest().0)
             .map(|j| explicit_rows(&mut solver, hierarchy.layout(Level(j)), wavelet))
             .collect();
-        Ok(Self { wavelet, regular, explicit })
+        let taps = regular.iter().flat_map(|row| row.taps.iter().map(|&(di, w)| (row.dr, di, w)));
+        let stencil = Stencil::new(taps);
+        Ok(Self { wavelet, regular, stencil, explicit })
     }
 
     /// The wavelet these weights belong to.
@@ -69,16 +75,44 @@ impl Filters {
         self.wavelet
     }
 
+    /// The constant stencil as the row kernels take it.
+    pub(super) fn stencil(&self) -> &Stencil {
+        &self.stencil
+    }
+
     /// `Σ_i w_iv d_i` for an even vertex `v` of level j: exact, in any order. Cost: the stencil, 72 taps for the
     /// 2-disc wavelet at a regular vertex.
     pub fn gather<const N: usize>(&self, layout: &Layout, site: Site, d: &[[i32; N]]) -> [i64; N] {
+        if let Some(row) = self.explicit_row(layout, site) {
+            return explicit_sum(row, d);
+        }
         let mut sum = [0i64; N];
         self.for_each_tap(layout, site, |odd, weight| {
-            for (sum, &d) in sum.iter_mut().zip(&d[odd.index()]) {
-                *sum += i64::from(weight) * i64::from(d);
-            }
+            let d = d[odd.index()];
+            sum = std::array::from_fn(|c| sum[c] + i64::from(weight) * i64::from(d[c]));
         });
         sum
+    }
+
+    /// [`Filters::gather`] for details within [`crate::surface::LIMIT`], of which a class of taps adds within 32 bits.
+    pub fn sum_within_limit<const N: usize>(&self, layout: &Layout, site: Site, d: &[[i32; N]]) -> [i64; N] {
+        let reach = self.wavelet.reach() as u32;
+        let Site::Face { face, i, r } = site else { return self.gather(layout, site, d) };
+        let inside = 2 * i > reach && 2 * r > reach && 2 * (layout.segments() - i - r) > reach;
+        if self.wavelet == Wavelet::Lazy || !inside || !is_regular(layout, site, self.wavelet) {
+            return self.gather(layout, site, d);
+        }
+        self.stencil.sum_inside(layout, face, [i, r], d)
+    }
+
+    /// The taps of an irregular even vertex.
+    fn explicit_row(&self, layout: &Layout, site: Site) -> Option<&[(Odd, i32)]> {
+        if is_regular(layout, site, self.wavelet) {
+            return None;
+        }
+        let ExplicitRows { rows, taps } = &self.explicit[layout.level().index()];
+        let &(from, to) = rows.get(&layout.slot(site).0).expect("irregular vertices have explicit rows");
+        Some(&taps[from as usize..to as usize])
     }
 
     /// Calls back for every coefficient of level j that updates the even vertex, with its weight.
@@ -86,13 +120,8 @@ impl Filters {
         if self.wavelet == Wavelet::Lazy {
             return;
         }
-        let rows = &self.explicit[layout.level().index()];
-        if !is_regular(layout, site, self.wavelet) {
-            let &(from, to) =
-                rows.rows.get(&layout.slot(site).0).expect("irregular vertices have explicit rows");
-            for &(odd, weight) in &rows.taps[from as usize..to as usize] {
-                tap(odd, weight);
-            }
+        if let Some(row) = self.explicit_row(layout, site) {
+            row.iter().for_each(|&(odd, weight)| tap(odd, weight));
             return;
         }
         let (face, b) = layout.chart(site);
@@ -122,61 +151,44 @@ impl Filters {
     }
 }
 
-/// Whether the constant stencil serves an even vertex: no extraordinary vertex, boundary or sharp edge within
-/// `2k + 2` edges, and a level fine enough that neighbourhoods do not wrap around.
-fn is_regular(layout: &Layout, site: Site, wavelet: Wavelet) -> bool {
-    let Wavelet::Disc(k) = wavelet else { return true };
-    if layout.level().0 < 2 + k {
-        return false;
+/// `Σ w d` over the taps of one row.
+fn explicit_sum<const N: usize>(row: &[(Odd, i32)], d: &[[i32; N]]) -> [i64; N] {
+    // Three channels are read four at a time, which the last detail does not allow.
+    let end = row.iter().map(|(odd, _)| 3 * odd.index() + 4).max().unwrap_or(0);
+    if N == 3 && end <= 3 * d.len() {
+        let sum = Arch::new().dispatch(FourLanes { row, d: d.as_flattened() });
+        return std::array::from_fn(|c| sum[c]);
     }
-    let margin = 2 * u32::from(k) + 2;
-    let base = layout.base();
-    let n = layout.segments();
-    let plain = |edge: u32| !base.is_boundary_edge(edge) && !base.is_sharp(edge);
-    match site {
-        Site::Base(v) => base.is_regular(v),
-        Site::Edge { edge, t } => {
-            let ends = base.edges()[edge as usize];
-            plain(edge)
-                && (t > margin || base.is_regular(ends[0]))
-                && (n - t > margin || base.is_regular(ends[1]))
-        }
-        Site::Face { face, i, r } => {
-            let b = [n - i - r, i, r];
-            let corners = base.faces()[face as usize];
-            let edges = base.face_edges(face);
-            (0..3).all(|c| {
-                let near_corner = n - b[c] <= margin;
-                let near_edge = b[c] <= margin;
-                (!near_corner || base.is_regular(corners[c])) && (!near_edge || plain(edges[(c + 1) % 3]))
-            })
+    let mut sum = [0i64; N];
+    for &(odd, weight) in row {
+        for (sum, &d) in sum.iter_mut().zip(&d[odd.index()]) {
+            *sum += i64::from(weight) * i64::from(d);
         }
     }
+    sum
 }
 
-/// The irregular even vertices of a level, enumerated without looking at the regular ones beyond their rows' ends.
-fn irregular_sites(layout: &Layout, wavelet: Wavelet) -> Vec<Site> {
-    let Wavelet::Disc(k) = wavelet else { return Vec::new() };
-    let margin = 2 * u32::from(k) + 2;
-    let n = layout.segments();
-    let base = layout.base();
-    let mut sites: Vec<Site> = (0..base.vertex_count()).map(Site::Base).collect();
-    for edge in 0..base.edges().len() as u32 {
-        sites.extend((1..n).map(|t| Site::Edge { edge, t }));
-    }
-    for face in 0..base.faces().len() as u32 {
-        for r in 1..n.saturating_sub(1) {
-            let last = n - r - 1;
-            let near_border_row = r <= margin || n - r <= margin;
-            if near_border_row || last <= 2 * margin {
-                sites.extend((1..=last).map(|i| Site::Face { face, i, r }));
-            } else {
-                sites.extend((1..=margin).chain(last - margin + 1..=last).map(|i| Site::Face { face, i, r }));
+/// Three channels and the value after them.
+struct FourLanes<'a> {
+    row: &'a [(Odd, i32)],
+    d: &'a [i32],
+}
+
+impl WithSimd for FourLanes<'_> {
+    type Output = [i64; 4];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [i64; 4] {
+        let mut sum = [0i64; 4];
+        for &(odd, weight) in self.row {
+            let at = 3 * odd.index();
+            let d: &[i32; 4] = self.d[at..at + 4].try_into().expect("of that length");
+            for c in 0..4 {
+                sum[c] += i64::from(d[c]) * i64::from(weight);
             }
         }
+        sum
     }
-    sites.retain(|&site| !is_regular(layout, site, wavelet));
-    sites
 }
 
 fn explicit_rows(solver: &mut WeightSolver, layout: &Layout, wavelet: Wavelet) -> ExplicitRows {

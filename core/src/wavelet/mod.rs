@@ -1,7 +1,11 @@
 //! Weights, lifting, analysis and synthesis over a hierarchy. Knows connectivity and integers, no geometry.
+//!
+//! Whole levels are transformed by [`rows`]; [`lifting`] is the plain reference, which gives the same bits.
 
 mod filters;
 pub mod lifting;
+mod regularity;
+pub mod rows;
 pub mod weights;
 
 pub use filters::{Filters, ValenceTooHigh};

@@ -1,0 +1,139 @@
+//! One face of one level of analysis.
+
+use super::chart::Chart;
+use super::face_blocks::FaceBlock;
+use super::predict::Difference;
+use super::strip::Strip;
+use super::update::{Direction, Update};
+use super::window::{HALO, STRIP, Window};
+use super::{Engine, stored_details, stored_row};
+use std::ops::Range;
+
+/// What a face writes: its details and its even vertices.
+pub(super) struct Output<'a, const N: usize> {
+    pub(super) details: FaceBlock<'a, [i32; N]>,
+    pub(super) coarser: FaceBlock<'a, [i32; N]>,
+}
+
+impl Engine<'_> {
+    /// Analyses a face: all its details, and its regular even vertices. Whether the sums were exact.
+    pub(super) fn analyse_face<const N: usize>(
+        &self,
+        chart: &Chart,
+        window: &mut Window<N>,
+        finer: &[[i32; N]],
+        output: &mut Output<N>,
+    ) -> bool {
+        let n = chart.n();
+        let stencil = window.place(self.filters.stencil());
+        let value = |site| finer[chart.fine.slot(site).index()];
+        let mut exact = true;
+        for first in (0..=n).step_by(STRIP as usize) {
+            let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
+            window.start(first as u32, -HALO);
+            for r in -HALO..=n - first + HALO {
+                window.advance_to(r);
+                let used = window.used(n, r);
+                let row = window.row(r);
+                let (even, odd) =
+                    ([&mut row.e[..used], &mut row.h[..used]], [&mut row.v[..used], &mut row.d[..used]]);
+                strip.read_row(chart, 2 * r, stored_row(chart, 2 * r, finer), value, even);
+                strip.read_row(chart, 2 * r + 1, stored_row(chart, 2 * r + 1, finer), value, odd);
+                exact &= self.predict(window, n, r);
+                self.store_details(chart, strip, window, r, &mut output.details);
+                let even = r - HALO;
+                if (0..=n - first).contains(&even) {
+                    let run = self.regular_run(chart, even, strip);
+                    if !run.is_empty() {
+                        let (column, len) = (window.column(run.start), run.len() * N);
+                        let (details, from, evens) = window.for_update(even);
+                        let at = from + column * N;
+                        let evens = &mut evens[column..].as_flattened_mut()[..len];
+                        let direction = Direction::Add;
+                        Update { stencil: &stencil, direction, details, at, evens }.run(self.arch);
+                    }
+                    store_evens(chart, strip, window, even, &mut output.coarser);
+                }
+            }
+        }
+        exact
+    }
+
+    /// Makes details of row `r` of `H` and of the row before it of `V` and `D`.
+    fn predict<const N: usize>(&self, window: &mut Window<N>, n: i32, r: i32) -> bool {
+        let last = window.used(n, r) - 1;
+        let row = window.row(r);
+        let (u, w) = (row.e[..last].as_flattened(), row.e[1..=last].as_flattened());
+        let mut exact = self.arch.dispatch(Difference { odd: row.h[..last].as_flattened_mut(), u, w });
+        if r > -HALO {
+            let last = window.used(n, r - 1) - 1;
+            let (upper, lower, row) = window.between(r - 1);
+            let (u, w) = (upper[..last].as_flattened(), lower[..last].as_flattened());
+            exact &= self.arch.dispatch(Difference { odd: row.v[..last].as_flattened_mut(), u, w });
+            let (u, w) = (upper[1..=last].as_flattened(), lower[..last].as_flattened());
+            exact &= self.arch.dispatch(Difference { odd: row.d[..last].as_flattened_mut(), u, w });
+        }
+        exact
+    }
+
+    fn store_details<const N: usize>(
+        &self,
+        chart: &Chart,
+        strip: Strip,
+        window: &mut Window<N>,
+        r: i32,
+        details: &mut FaceBlock<[i32; N]>,
+    ) {
+        let n = chart.n();
+        let half = |t: u32| (t - 1) / 2;
+        if (0..n).contains(&r) {
+            let part = strip.part(0, n - r - 1);
+            let column = window.column(part.start);
+            let row = window.row(r);
+            if r == 0 {
+                for i in part {
+                    let value = row.h[(i - strip.first + HALO) as usize];
+                    details.put_on_edge(chart, 2 * n, [2 * i + 1, 0], value, half);
+                }
+            } else if !part.is_empty() {
+                let from = chart.coarse.odd_row_start(2 * r as u32) as usize + part.start as usize;
+                let count = part.len();
+                details.interior[from..from + count].copy_from_slice(&row.h[column..column + count]);
+            }
+        }
+        if (1..=n).contains(&r) {
+            let rho = 2 * r - 1;
+            let row = window.row(r - 1);
+            let FaceBlock { interior, edges } = details;
+            let stored = &mut interior[stored_details(chart, rho)];
+            let mut on_edges =
+                FaceBlock { interior: &mut [], edges: edges.each_mut().map(|e| e.as_deref_mut()) };
+            let border = |i, value| on_edges.put_on_edge(chart, 2 * n, [i, rho], value, half);
+            strip.write_row(chart, rho, stored, border, [row.v, row.d]);
+        }
+    }
+}
+
+fn store_evens<const N: usize>(
+    chart: &Chart,
+    strip: Strip,
+    window: &mut Window<N>,
+    r: i32,
+    coarser: &mut FaceBlock<[i32; N]>,
+) {
+    let n = chart.n();
+    let row = window.row(r);
+    let at = |i: i32| (i - strip.first + HALO) as usize;
+    let inside = strip.part(1, n - r - 1);
+    if r > 0 && !inside.is_empty() {
+        let start = chart.coarse.row(chart.face, r as u32).0 - chart.coarse.row(chart.face, 1).0;
+        let Range { start: from, end: to } = inside;
+        let place = (start as i32 + from - 1) as usize..(start as i32 + to - 1) as usize;
+        coarser.interior[place].copy_from_slice(&row.e[at(from)..at(to)]);
+    }
+    let borders = if r == 0 { strip.part(0, n) } else { strip.part(0, 0) };
+    let right = if r == 0 { 0..0 } else { strip.part(n - r, n - r) };
+    for i in borders.chain(right) {
+        coarser.put_on_edge(chart, n, [i, r], row.e[at(i)], |t| t - 1);
+    }
+}

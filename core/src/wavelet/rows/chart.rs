@@ -1,0 +1,95 @@
+//! The grid of one base face at level j + 1 and its neighbours unfolded around it: where each point is stored.
+
+use super::window::HALO;
+use crate::hierarchy::{Layout, Site};
+
+/// A base face and two levels over it.
+pub(super) struct Chart<'a> {
+    pub(super) face: u32,
+    /// Level j.
+    pub(super) coarse: &'a Layout,
+    /// Level j + 1.
+    pub(super) fine: &'a Layout,
+    /// By edge of the face: the edge, and whether its low end is the edge's start.
+    edges: [(u32, bool); 3],
+    /// By corner of the face: whether the grid goes on around it as the regular lattice does.
+    regular: [bool; 3],
+}
+
+/// On which edge of the face a point lies, and how far from that edge's low end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct OnEdge {
+    /// Which of the face's edges.
+    pub(super) k: usize,
+    /// Segments from its low end.
+    pub(super) t: u32,
+}
+
+impl<'a> Chart<'a> {
+    pub(super) fn new(coarse: &'a Layout, fine: &'a Layout, face: u32) -> Self {
+        let base = coarse.base();
+        let corners = base.faces()[face as usize];
+        let edges = base.face_edges(face);
+        Self {
+            face,
+            coarse,
+            fine,
+            edges: std::array::from_fn(|k| (edges[k], base.edges()[edges[k] as usize][0] == corners[k])),
+            regular: corners.map(|v| base.is_regular(v)),
+        }
+    }
+
+    /// `n` of level j.
+    pub(super) fn n(&self) -> i32 {
+        self.coarse.segments() as i32
+    }
+
+    /// The columns of row `r` of level j + 1 that any stencil in this face reads.
+    pub(super) fn reach(&self, r: i32) -> (i32, i32) {
+        let (n, halo) = (2 * self.n(), 2 * HALO);
+        ((-halo).max(-halo - r), (n - r + halo).min(n + halo))
+    }
+
+    /// Calls back for points of row `r` of the unfolded grid of level j + 1, with their sites; `None` beyond the boundary
+    /// and around extraordinary corners, over which no stencil reaches.
+    #[inline(always)]
+    pub(super) fn unfold(&self, r: i32, from: i32, to: i32, mut found: impl FnMut(i32, Option<Site>)) {
+        for i in from..=to {
+            let b = [2 * self.n() - i - r, i, r];
+            found(i, self.fine.inside_or_beside(self.face, b).or_else(|| self.elsewhere(b)));
+        }
+    }
+
+    /// The site of a point that is neither in the face nor beside it.
+    #[cold]
+    fn elsewhere(&self, b: [i32; 3]) -> Option<Site> {
+        if let Some(OnEdge { k, t }) = self.on_edge(2 * self.n(), b[1], b[2]) {
+            return Some(Site::Edge { edge: self.edges[k].0, t });
+        }
+        let corner = if b[0] >= b[1] && b[0] >= b[2] { 0 } else { 1 + usize::from(b[2] > b[1]) };
+        let beyond = b.iter().any(|&x| x < 0);
+        if beyond && !self.regular[corner] { None } else { self.fine.resolve(self.face, b) }
+    }
+
+    /// Where a point of a grid with `n` segments lies on the face's border, corners left out.
+    #[inline]
+    pub(super) fn on_edge(&self, n: i32, i: i32, r: i32) -> Option<OnEdge> {
+        let b0 = n - i - r;
+        let (k, along) = match (b0 == 0, i == 0, r == 0) {
+            (false, false, true) => (0, i),
+            (true, false, false) => (1, r),
+            (false, true, false) => (2, b0),
+            _ => return None,
+        };
+        if !(0..n).contains(&along) {
+            return None;
+        }
+        let t = if self.edges[k].1 { along } else { n - along };
+        Some(OnEdge { k, t: t as u32 })
+    }
+
+    /// The vertex of level j at `(I, R)` of the face's own grid.
+    pub(super) fn even(&self, i: u32, r: u32) -> Site {
+        self.coarse.site_at(self.face, [self.coarse.segments() - i - r, i, r])
+    }
+}

@@ -1,0 +1,241 @@
+//! Whole levels of analysis and synthesis, face by face and row by row: the same bits as [`super::lifting`], the plain
+//! reference, many times faster.
+//!
+//! A base face is worked through in strips of columns. A window slides down a strip; rows of the face and, unfolded
+//! around it, of its neighbours are copied into the window, predicted and updated there by kernels on whole rows, and
+//! written out. Every vertex is written by one face, so faces run in parallel. Even vertices near extraordinary
+//! vertices, boundaries and sharp edges, where nothing can be unfolded, are updated one by one.
+//!
+//! It guarantees the reference's results for any input: where details are so large that the kernels' 32-bit class sums
+//! could overflow, the level is given to the reference. Levels too coarse for the constant stencil always are.
+
+mod analysis;
+mod chart;
+mod face_blocks;
+mod pairs;
+mod patch;
+mod predict;
+mod stencil;
+mod strip;
+mod synthesis;
+mod update;
+mod window;
+
+use super::lifting::{self, minus, plus, rounded};
+use super::regularity::{irregular_sites, is_coarse, regular_run};
+use super::{Filters, Wavelet};
+use crate::hierarchy::{Hierarchy, Layout, Level, Site};
+use analysis::Output;
+use chart::Chart;
+use face_blocks::split_by_face;
+pub use patch::{Patch, Refined, refine};
+use pulp::Arch;
+use rayon::prelude::*;
+use std::ops::Range;
+pub use stencil::Stencil;
+use strip::Strip;
+use window::{STRIP, Window};
+
+/// Details below 2^27 in magnitude: twelve of them add within 32 bits.
+const SUMMABLE_BITS: u32 = 27;
+
+/// The instructions that kernels are compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Instructions {
+    /// The best that this processor has.
+    #[default]
+    Detected,
+    /// Those that every processor of the target has.
+    Baseline,
+}
+
+/// What the work on a face needs besides the face.
+struct Engine<'a> {
+    filters: &'a Filters,
+    arch: Arch,
+}
+
+impl Engine<'_> {
+    /// A window for the faces of a level, one beyond the strip included: an odd vertex's parents.
+    fn window<const N: usize>(&self, coarse: &Layout) -> Window<N> {
+        Window::new(STRIP.min(coarse.segments() + 1) + 1)
+    }
+
+    fn regular_run(&self, chart: &Chart, r: i32, strip: Strip) -> Range<i32> {
+        let run = regular_run(chart.coarse, self.filters.wavelet(), chart.face, r as u32);
+        if self.filters.wavelet() == Wavelet::Lazy {
+            return 0..0;
+        }
+        strip.part(run.start as i32, run.end as i32 - 1)
+    }
+}
+
+/// One level of analysis into given storage: `c^{j+1}` to `d^j` and `c^j`. `O(n_{j+1})`.
+///
+/// # Panics
+/// If a slice does not have its level's length.
+pub fn analyse_level_into<const N: usize>(
+    hierarchy: &Hierarchy,
+    filters: &Filters,
+    level: Level,
+    instructions: Instructions,
+    finer: &[[i32; N]],
+    (details, coarser): (&mut [[i32; N]], &mut [[i32; N]]),
+) {
+    let (coarse, fine) = (hierarchy.layout(level), hierarchy.layout(level.finer()));
+    assert_eq!(
+        (details.len(), coarser.len(), finer.len()),
+        (coarse.odd_len() as usize, coarse.len() as usize, fine.len() as usize)
+    );
+    let exact = serves(coarse, filters.wavelet()) && {
+        let engine = Engine { filters, arch: arch(instructions) };
+        let (base, n) = (coarse.base(), coarse.segments() as usize);
+        let details = split_by_face(base, details, n, 3 * n * (n - 1) / 2);
+        let evens = &mut coarser[base.vertex_count() as usize..];
+        let evens = split_by_face(base, evens, n - 1, (n - 1) * (n - 2) / 2);
+        let faces = details.into_par_iter().zip(evens).enumerate();
+        faces
+            .map_init(
+                || engine.window(coarse),
+                |window, (face, (details, coarser))| {
+                    let chart = Chart::new(coarse, fine, face as u32);
+                    engine.analyse_face(&chart, window, finer, &mut Output { details, coarser })
+                },
+            )
+            .reduce(|| true, |a, b| a & b)
+    };
+    if !exact {
+        let (d, c) = lifting::analyse_level(hierarchy, filters, level, finer);
+        details.copy_from_slice(&d);
+        coarser.copy_from_slice(&c);
+        return;
+    }
+    // What the faces left: base vertices, and where the constant stencil does not serve.
+    let base = (0..coarse.base().vertex_count()).map(Site::Base);
+    let mut sites: Vec<Site> = base.collect();
+    sites.extend(irregular_sites(coarse, filters.wavelet()));
+    let updated: Vec<[i32; N]> = sites
+        .par_iter()
+        .with_min_len(256)
+        .map(|&site| {
+            let even = fine.slot(Layout::refine(site));
+            plus(finer[even.index()], rounded(filters.gather(coarse, site, details)))
+        })
+        .collect();
+    for (&site, value) in sites.iter().zip(updated) {
+        coarser[coarse.slot(site).index()] = value;
+    }
+}
+
+/// One level of synthesis into given storage: `c^j` and `d^j` to `c^{j+1}`. `O(n_{j+1})`.
+///
+/// # Panics
+/// If a slice does not have its level's length.
+pub fn synthesise_level_into<const N: usize>(
+    hierarchy: &Hierarchy,
+    filters: &Filters,
+    level: Level,
+    instructions: Instructions,
+    (coarser, details): (&[[i32; N]], &[[i32; N]]),
+    finer: &mut [[i32; N]],
+) {
+    let (coarse, fine) = (hierarchy.layout(level), hierarchy.layout(level.finer()));
+    assert_eq!(
+        (details.len(), coarser.len(), finer.len()),
+        (coarse.odd_len() as usize, coarse.len() as usize, fine.len() as usize)
+    );
+    let exact = serves(coarse, filters.wavelet()) && {
+        let engine = Engine { filters, arch: arch(instructions) };
+        let (base, n) = (coarse.base(), fine.segments() as usize);
+        let (corners, rest) = finer.split_at_mut(base.vertex_count() as usize);
+        for (v, corner) in (0..).zip(corners) {
+            let site = Site::Base(v);
+            let even = coarser[coarse.slot(site).index()];
+            *corner = minus(even, rounded(filters.gather(coarse, site, details)));
+        }
+        split_by_face(base, rest, n - 1, (n - 1) * (n - 2) / 2)
+            .into_par_iter()
+            .enumerate()
+            .map_init(
+                || (engine.window(coarse), engine.odds(coarse)),
+                |(window, odds), (face, mut finer)| {
+                    let chart = Chart::new(coarse, fine, face as u32);
+                    engine.synthesise_face(&chart, (window, odds), (coarser, details), &mut finer)
+                },
+            )
+            .reduce(|| true, |a, b| a & b)
+    };
+    if !exact {
+        finer.copy_from_slice(&lifting::synthesise_level(hierarchy, filters, level, coarser, details));
+    }
+}
+
+/// Whether rows serve a level at all.
+fn serves(coarse: &Layout, wavelet: Wavelet) -> bool {
+    coarse.level().0 >= 1 && !is_coarse(coarse, wavelet)
+}
+
+fn arch(instructions: Instructions) -> Arch {
+    match instructions {
+        Instructions::Detected => Arch::new(),
+        Instructions::Baseline => Arch::Scalar,
+    }
+}
+
+/// Where row `ρ` of level j + 1 lies in the storage of a face's interior; empty outside it.
+fn row_range(chart: &Chart, rho: i32) -> Range<usize> {
+    let n = 2 * chart.n();
+    if !(1..n - 1).contains(&rho) {
+        return 0..0;
+    }
+    let start = (chart.fine.row(chart.face, rho as u32).0 - chart.fine.row(chart.face, 1).0) as usize;
+    start..start + (n - rho - 1) as usize
+}
+
+/// Row `ρ` of level j + 1 inside a face.
+fn stored_row<'a, const N: usize>(chart: &Chart, rho: i32, finer: &'a [[i32; N]]) -> &'a [[i32; N]] {
+    let row = row_range(chart, rho);
+    if row.is_empty() {
+        return &[];
+    }
+    let start = chart.fine.row(chart.face, 1).index();
+    &finer[start + row.start..start + row.end]
+}
+
+/// Where the details of an odd row `ρ` lie in a face's part of the details; empty outside it.
+fn stored_details(chart: &Chart, rho: i32) -> Range<usize> {
+    let n = 2 * chart.n();
+    if !(1..n - 1).contains(&rho) {
+        return 0..0;
+    }
+    let start = chart.coarse.odd_row_start(rho as u32) as usize;
+    start..start + (n - rho - 1) as usize
+}
+
+/// One level of analysis, into new storage.
+pub fn analyse_level<const N: usize>(
+    hierarchy: &Hierarchy,
+    filters: &Filters,
+    level: Level,
+    finer: &[[i32; N]],
+) -> (Vec<[i32; N]>, Vec<[i32; N]>) {
+    let coarse = hierarchy.layout(level);
+    let mut details = vec![[0; N]; coarse.odd_len() as usize];
+    let mut coarser = vec![[0; N]; coarse.len() as usize];
+    let output = (details.as_mut_slice(), coarser.as_mut_slice());
+    analyse_level_into(hierarchy, filters, level, Instructions::Detected, finer, output);
+    (details, coarser)
+}
+
+/// One level of synthesis, into new storage.
+pub fn synthesise_level<const N: usize>(
+    hierarchy: &Hierarchy,
+    filters: &Filters,
+    level: Level,
+    coarser: &[[i32; N]],
+    details: &[[i32; N]],
+) -> Vec<[i32; N]> {
+    let mut finer = vec![[0; N]; hierarchy.layout(level.finer()).len() as usize];
+    synthesise_level_into(hierarchy, filters, level, Instructions::Detected, (coarser, details), &mut finer);
+    finer
+}

@@ -1,0 +1,98 @@
+//! The constant stencil, its taps ordered by weight.
+
+use super::window::Place;
+use crate::hierarchy::Layout;
+use std::collections::BTreeMap;
+
+/// How far the largest stencil reaches, in steps of level j + 1.
+const REACH: usize = 5;
+
+/// The taps of the constant stencil by weight, in groups of six and twelve: the orbits of the lattice's symmetries.
+#[derive(Debug)]
+pub struct Stencil {
+    sixes: Vec<(i32, [Place; 6])>,
+    twelves: Vec<(i32, [Place; 12])>,
+}
+
+impl Stencil {
+    /// From taps `(dr, di, weight)` in steps of level j + 1, relative to the even vertex.
+    pub(crate) fn new(taps: impl Iterator<Item = (i32, i32, i32)>) -> Self {
+        let mut classes: BTreeMap<i32, Vec<Place>> = BTreeMap::new();
+        for (dr, di, weight) in taps {
+            classes.entry(weight).or_default().push(Place::of_odd(dr, di));
+        }
+        let (mut sixes, mut twelves) = (Vec::new(), Vec::new());
+        for (weight, places) in classes {
+            let (pairs, rest) = places.as_chunks::<12>();
+            twelves.extend(pairs.iter().map(|&group| (weight, group)));
+            let (single, none) = rest.as_chunks::<6>();
+            sixes.extend(single.iter().map(|&group| (weight, group)));
+            assert!(none.is_empty(), "orbits have six or twelve members");
+        }
+        Self { sixes, twelves }
+    }
+
+    /// `Σ_i w_iv d_i` for the even vertex at column `i` of row `r`, deep inside a base face. Classes add in 32 bits.
+    pub(crate) fn sum_inside<const N: usize>(
+        &self,
+        layout: &Layout,
+        face: u32,
+        [i, r]: [u32; 2],
+        d: &[[i32; N]],
+    ) -> [i64; N] {
+        // Where the taps of each row are counted from: of an odd row all vertices are odd ones, of an even every second.
+        let start = layout.odd_face_start(face);
+        let mut rows = [0; 2 * REACH + 1];
+        for (dr, row) in (0..).zip(&mut rows) {
+            let r = (2 * r + dr).wrapping_sub(REACH as u32);
+            if r.wrapping_sub(1) < 2 * layout.segments() {
+                let first = if r % 2 == 1 { 2 * i } else { i + 1 };
+                *row = start + layout.odd_row_start(r) + first - 1;
+            }
+        }
+        let mut total = [0i64; N];
+        for (weight, taps) in &self.sixes {
+            add_class(&mut total, *weight, taps, &rows, d);
+        }
+        for (weight, taps) in &self.twelves {
+            add_class(&mut total, *weight, taps, &rows, d);
+        }
+        total
+    }
+
+    /// The taps as distances within an array, from the place of the even vertex in it.
+    pub(super) fn placed(&self, offset: impl Fn(Place) -> u32) -> PlacedStencil {
+        PlacedStencil {
+            sixes: self.sixes.iter().map(|&(w, group)| (w, group.map(&offset))).collect(),
+            twelves: self.twelves.iter().map(|&(w, group)| (w, group.map(&offset))).collect(),
+        }
+    }
+}
+
+#[inline]
+fn add_class<const N: usize>(
+    total: &mut [i64; N],
+    weight: i32,
+    taps: &[Place],
+    rows: &[u32; 2 * REACH + 1],
+    d: &[[i32; N]],
+) {
+    let mut sum = [0i32; N];
+    for tap in taps {
+        let (row, along) = tap.in_row();
+        let d = &d[rows[(row + REACH as i32) as usize].wrapping_add_signed(along) as usize];
+        for c in 0..N {
+            sum[c] = sum[c].wrapping_add(d[c]);
+        }
+    }
+    for c in 0..N {
+        total[c] += i64::from(sum[c]) * i64::from(weight);
+    }
+}
+
+/// A [`Stencil`] addressed within one array of details.
+#[derive(Debug)]
+pub(super) struct PlacedStencil {
+    pub(super) sixes: Vec<(i32, [u32; 6])>,
+    pub(super) twelves: Vec<(i32, [u32; 12])>,
+}

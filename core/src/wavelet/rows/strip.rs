@@ -1,0 +1,124 @@
+//! Rows of a strip: reading them from a level's storage into a window and writing them back.
+
+use super::chart::Chart;
+use super::face_blocks::FaceBlock;
+use super::pairs;
+use super::window::HALO;
+use crate::hierarchy::Site;
+use std::ops::Range;
+
+/// A strip of a face: some columns of even vertices.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Strip {
+    /// The first even vertex of a row.
+    pub(super) first: i32,
+    /// The last.
+    pub(super) last: i32,
+}
+
+impl Strip {
+    /// The strip's share of even vertices `from..=to` of a row.
+    pub(super) fn part(self, from: i32, to: i32) -> Range<i32> {
+        let from = self.first.max(from);
+        from..(self.last.min(to) + 1).max(from)
+    }
+
+    /// Reads row `ρ` of the unfolded fine grid into two planes. `stored` is the part of it that lies inside the face,
+    /// as [`pairs`] has it; `value` finds any one point.
+    pub(super) fn read_row<const N: usize>(
+        self,
+        chart: &Chart,
+        rho: i32,
+        stored: &[[i32; N]],
+        value: impl Fn(Site) -> [i32; N],
+        [a, b]: [&mut [[i32; N]]; 2],
+    ) {
+        let left = self.first - HALO;
+        let right = left + a.len() as i32 - 1;
+        let (low, high) = chart.reach(rho);
+        let (low, high) = (low.max(2 * left), high.min(2 * right + 1));
+        // What no stencil reads is kept from growing, pass after pass, out of what an earlier row left there.
+        for plane in [&mut *a, &mut *b] {
+            plane[..(((low + 1) >> 1) - left).clamp(0, right - left + 1) as usize].fill([0; N]);
+            plane[(((high + 1) >> 1) - left).clamp(0, right - left + 1) as usize..].fill([0; N]);
+        }
+        let mut put = |i: i32, site: Option<Site>| {
+            let plane = if i & 1 == 0 { &mut *a } else { &mut *b };
+            plane[((i >> 1) - left) as usize] = match site {
+                Some(site) => value(site),
+                None => [0; N],
+            };
+        };
+        // Columns whose pair lies inside the face.
+        let (from, to) = (left.max(1), right.min((stored.len() as i32 - 1).div_euclid(2)));
+        if from > to {
+            chart.unfold(rho, low, high, put);
+            return;
+        }
+        chart.unfold(rho, low, 2 * from - 1, &mut put);
+        chart.unfold(rho, 2 * to + 2, high, &mut put);
+        let columns = (from - left) as usize..(to - left + 1) as usize;
+        let stored = &stored[(2 * from - 1) as usize..(2 * to + 1) as usize];
+        pairs::split(stored, &mut a[columns.clone()], &mut b[columns]);
+    }
+
+    /// Writes the strip's share of a row `ρ` of the face's fine grid from two planes: its inside to `stored`, border
+    /// points to `border`. Corners of the face are left out.
+    pub(super) fn write_row<const N: usize>(
+        self,
+        chart: &Chart,
+        rho: i32,
+        stored: &mut [[i32; N]],
+        mut border: impl FnMut(i32, [i32; N]),
+        [a, b]: [&[[i32; N]]; 2],
+    ) {
+        let n = 2 * chart.n();
+        let left = self.first - HALO;
+        let value = |i: i32| {
+            let plane = if i % 2 == 0 { a } else { b };
+            plane[(i / 2 - left) as usize]
+        };
+        let (low, high) = (2 * self.first, (2 * self.last + 1).min(n - rho));
+        if rho == 0 {
+            (low..=high).for_each(|i| border(i, value(i)));
+            return;
+        }
+        for i in [0, n - rho] {
+            if (low..=high).contains(&i) {
+                border(i, value(i));
+            }
+        }
+        let inside = stored.len() as i32;
+        let (from, to) = (self.first.max(1), self.last.min((inside - 1).div_euclid(2)));
+        if from <= to {
+            let columns = (from - left) as usize..(to - left + 1) as usize;
+            let stored = &mut stored[(2 * from - 1) as usize..(2 * to + 1) as usize];
+            pairs::merge(&a[columns.clone()], &b[columns], stored);
+        }
+        // What is inside but in no whole pair.
+        for i in [1, inside] {
+            if (low..=high).contains(&i) && (1..=inside).contains(&i) {
+                stored[i as usize - 1] = value(i);
+            }
+        }
+    }
+}
+
+impl<T: Copy> FaceBlock<'_, T> {
+    /// Writes a border point of a grid with `n` segments, if this face is the one to write it. `index` is its place in
+    /// the edge's part of the storage.
+    pub(super) fn put_on_edge(
+        &mut self,
+        chart: &Chart,
+        n: i32,
+        [i, r]: [i32; 2],
+        value: T,
+        index: impl Fn(u32) -> u32,
+    ) {
+        if let Some(place) = chart.on_edge(n, i, r)
+            && let Some(edge) = &mut self.edges[place.k]
+        {
+            edge[index(place.t) as usize] = value;
+        }
+    }
+}

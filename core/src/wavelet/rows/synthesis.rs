@@ -1,0 +1,180 @@
+//! One face of one level of synthesis.
+
+use super::chart::Chart;
+use super::face_blocks::FaceBlock;
+use super::predict::{Sum, Within};
+use super::stencil::PlacedStencil;
+use super::strip::Strip;
+use super::update::{Direction, Update};
+use super::window::{HALO, STRIP, Window};
+use super::{Engine, row_range, stored_details};
+use crate::hierarchy::{Layout, Site};
+use crate::wavelet::lifting::{minus, rounded};
+
+/// Rows of predicted odd vertices on their way to the storage.
+pub(super) struct Odds<const N: usize>([Vec<[i32; N]>; 3]);
+
+impl Engine<'_> {
+    /// Room for the rows of a level's windows.
+    pub(super) fn odds<const N: usize>(&self, coarse: &Layout) -> Odds<N> {
+        let len = self.window::<N>(coarse).row_len();
+        Odds([(); 3].map(|()| vec![[0; N]; len]))
+    }
+
+    /// Synthesises a face: all its vertices but the corners. Whether the sums were exact.
+    pub(super) fn synthesise_face<const N: usize>(
+        &self,
+        chart: &Chart,
+        (window, odds): (&mut Window<N>, &mut Odds<N>),
+        (coarser, details): (&[[i32; N]], &[[i32; N]]),
+        finer: &mut FaceBlock<[i32; N]>,
+    ) -> bool {
+        let n = chart.n();
+        let stencil = window.place(self.filters.stencil());
+        let start = chart.coarse.odd_face_start(chart.face) as usize;
+        let own = &details[start..];
+        let value = |site| details[chart.coarse.odd_at(site).index()];
+        let mut exact = true;
+        for first in (0..=n).step_by(STRIP as usize) {
+            let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
+            window.start(first as u32, -HALO);
+            for r in -HALO..=n - first + HALO {
+                window.advance_to(r);
+                self.read_details(chart, strip, window, r, own, value);
+                let used = window.used(n, r);
+                let row = window.row(r);
+                for plane in [row.h, row.v, row.d] {
+                    exact &= self.arch.dispatch(Within(plane[..used].as_flattened()));
+                }
+                let even = r - HALO + 1;
+                if (0..=n - first).contains(&even) {
+                    self.update(chart, strip, window, even, &stencil, coarser, details);
+                    self.store(chart, strip, window, even, odds, finer);
+                }
+            }
+        }
+        exact
+    }
+
+    fn read_details<const N: usize>(
+        &self,
+        chart: &Chart,
+        strip: Strip,
+        window: &mut Window<N>,
+        r: i32,
+        own: &[[i32; N]],
+        value: impl Fn(Site) -> [i32; N] + Copy,
+    ) {
+        let n = chart.n();
+        let left = strip.first - HALO;
+        let used = window.used(n, r);
+        let row = window.row(r);
+        let (h, odd) = (&mut row.h[..used], [&mut row.v[..used], &mut row.d[..used]]);
+        strip.read_row(chart, 2 * r + 1, &own[stored_details(chart, 2 * r + 1)], value, odd);
+        // Of an even row only `H` is stored, all of it inside the face.
+        let (low, high) = chart.reach(2 * r);
+        let (low, high) = (low.div_euclid(2).max(left), high.div_euclid(2).min(left + used as i32 - 1));
+        let mut put = |i: i32, site: Option<Site>| {
+            if i & 1 == 1 {
+                h[((i >> 1) - left) as usize] = match site {
+                    Some(site) => value(site),
+                    None => [0; N],
+                };
+            }
+        };
+        let (from, to) = (low.max(0), high.min(n - r - 1));
+        if (1..n).contains(&r) && from <= to {
+            chart.unfold(2 * r, 2 * low, 2 * from - 1, &mut put);
+            chart.unfold(2 * r, 2 * to + 2, 2 * high + 1, &mut put);
+            let start = chart.coarse.odd_row_start(2 * r as u32) as usize;
+            h[(from - left) as usize..=(to - left) as usize]
+                .copy_from_slice(&own[start + from as usize..=start + to as usize]);
+        } else {
+            chart.unfold(2 * r, 2 * low, 2 * high + 1, put);
+        }
+    }
+
+    /// The even vertices of a row, one beyond the strip included.
+    #[allow(clippy::too_many_arguments)]
+    fn update<const N: usize>(
+        &self,
+        chart: &Chart,
+        strip: Strip,
+        window: &mut Window<N>,
+        r: i32,
+        stencil: &PlacedStencil,
+        coarser: &[[i32; N]],
+        details: &[[i32; N]],
+    ) {
+        let n = chart.n();
+        let wider = Strip { last: strip.last + 1, ..strip };
+        let part = wider.part(0, n - r);
+        let at = |i: i32| (i - strip.first + HALO) as usize;
+        let row = window.row(r);
+        let mut border =
+            |i: i32| row.e[at(i)] = coarser[chart.coarse.slot(chart.even(i as u32, r as u32)).index()];
+        let (from, to) = (part.start.max(1), (part.end - 1).min(n - r - 1));
+        if r > 0 && from <= to {
+            (part.start..from).chain(to + 1..part.end).for_each(border);
+            let start = chart.coarse.row(chart.face, r as u32).index();
+            row.e[at(from)..=at(to)]
+                .copy_from_slice(&coarser[start + from as usize - 1..start + to as usize]);
+        } else {
+            part.clone().for_each(&mut border);
+        }
+        let run = self.regular_run(chart, r, wider);
+        let irregular = part.filter(|i| !run.contains(i));
+        for i in irregular {
+            let sum = self.filters.gather(chart.coarse, chart.even(i as u32, r as u32), details);
+            let even = &mut window.row(r).e[at(i)];
+            *even = minus(*even, rounded(sum));
+        }
+        if !run.is_empty() {
+            let (column, len) = (at(run.start), run.len() * N);
+            let (details, from, evens) = window.for_update(r);
+            let at = from + column * N;
+            let evens = &mut evens[column..].as_flattened_mut()[..len];
+            Update { stencil, direction: Direction::Subtract, details, at, evens }.run(self.arch);
+        }
+    }
+
+    /// Predicts and writes row `2R` of the fine grid and the row before it.
+    fn store<const N: usize>(
+        &self,
+        chart: &Chart,
+        strip: Strip,
+        window: &mut Window<N>,
+        r: i32,
+        Odds([h, v, d]): &mut Odds<N>,
+        finer: &mut FaceBlock<[i32; N]>,
+    ) {
+        let last = window.used(chart.n(), r) - 1;
+        let row = window.row(r);
+        let (u, w) = (row.e[..last].as_flattened(), row.e[1..=last].as_flattened());
+        self.arch.dispatch(Sum { odd: h.as_flattened_mut(), detail: row.h.as_flattened(), u, w });
+        write(chart, strip, 2 * r, [row.e, h], finer);
+        if r > 0 {
+            let last = window.used(chart.n(), r - 1) - 1;
+            let (upper, lower, row) = window.between(r - 1);
+            let (u, w) = (upper[..last].as_flattened(), lower[..last].as_flattened());
+            self.arch.dispatch(Sum { odd: v.as_flattened_mut(), detail: row.v.as_flattened(), u, w });
+            let (u, w) = (upper[1..=last].as_flattened(), lower[..last].as_flattened());
+            self.arch.dispatch(Sum { odd: d.as_flattened_mut(), detail: row.d.as_flattened(), u, w });
+            write(chart, strip, 2 * r - 1, [v, d], finer);
+        }
+    }
+}
+
+fn write<const N: usize>(
+    chart: &Chart,
+    strip: Strip,
+    rho: i32,
+    planes: [&[[i32; N]]; 2],
+    finer: &mut FaceBlock<[i32; N]>,
+) {
+    let FaceBlock { interior, edges } = finer;
+    let stored = &mut interior[row_range(chart, rho)];
+    let mut on_edges = FaceBlock { interior: &mut [], edges: edges.each_mut().map(|e| e.as_deref_mut()) };
+    let border = |i, value| on_edges.put_on_edge(chart, 2 * chart.n(), [i, rho], value, |t| t - 1);
+    strip.write_row(chart, rho, stored, border, planes);
+}

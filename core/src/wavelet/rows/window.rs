@@ -1,0 +1,175 @@
+//! A sliding window over a strip of a base face's grid, with what lies around it unfolded into it.
+//!
+//! The grid of level j + 1 falls into four planes, addressed by even vertices `(I, R)`: `E` holds the even vertex at
+//! `(2I, 2R)`, and `H`, `V`, `D` the odd ones at `(2I+1, 2R)`, `(2I, 2R+1)` and `(2I+1, 2R+1)`. So the taps of one
+//! weight lie at fixed distances, and a run of even vertices reads runs of odd ones.
+
+use super::stencil::{PlacedStencil, Stencil};
+
+/// Steps of level j that a window reaches beyond its strip on every side: the 2-disc stencil reaches 2½, and the
+/// parents of what it reads half a step more.
+pub(super) const HALO: i32 = 3;
+
+/// Rows a window holds. It moves down by all but the last `2·HALO + 1`, which it keeps.
+const ROWS: usize = 40;
+const KEPT: usize = 2 * HALO as usize + 1;
+
+/// Even vertices per row of a strip: few enough that a window stays in the processor's second-level cache, enough that
+/// the halo does not weigh.
+pub(super) const STRIP: u32 = 128;
+
+/// A plane of odd vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Plane {
+    /// `(2I+1, 2R)`: on edges along the row.
+    H,
+    /// `(2I, 2R+1)`: on edges to the next row.
+    V,
+    /// `(2I+1, 2R+1)`: on the slanted edges between the two rows.
+    D,
+}
+
+/// An odd vertex relative to an even one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    plane: Plane,
+    i: i32,
+    r: i32,
+}
+
+impl Place {
+    /// From steps of level j + 1; the place must be odd.
+    pub(super) fn of_odd(dr: i32, di: i32) -> Self {
+        let plane = match (dr.rem_euclid(2), di.rem_euclid(2)) {
+            (0, _) => Plane::H,
+            (_, 0) => Plane::V,
+            _ => Plane::D,
+        };
+        Self { plane, i: di.div_euclid(2), r: dr.div_euclid(2) }
+    }
+
+    /// The row at level j + 1, and how many stored odd vertices along it: of an even row every second is odd.
+    #[inline(always)]
+    pub(super) fn in_row(self) -> (i32, i32) {
+        match self.plane {
+            Plane::H => (2 * self.r, self.i),
+            Plane::V => (2 * self.r + 1, 2 * self.i),
+            Plane::D => (2 * self.r + 1, 2 * self.i + 1),
+        }
+    }
+}
+
+/// Part of the four planes. Rows are pushed from the top; columns are those of the strip and [`HALO`] to either side.
+pub(super) struct Window<const N: usize> {
+    /// The first even vertex of the strip.
+    first: i32,
+    columns: usize,
+    /// The row stored first.
+    top: i32,
+    evens: Vec<[i32; N]>,
+    details: Vec<[i32; N]>,
+}
+
+/// One row of the four planes; element 0 of each is column `first − HALO`.
+pub(super) struct RowMut<'a, const N: usize> {
+    pub(super) e: &'a mut [[i32; N]],
+    pub(super) h: &'a mut [[i32; N]],
+    pub(super) v: &'a mut [[i32; N]],
+    pub(super) d: &'a mut [[i32; N]],
+}
+
+impl<const N: usize> Window<N> {
+    /// A window for strips of at most `columns` even vertices.
+    pub(super) fn new(columns: u32) -> Self {
+        let columns = columns as usize + 2 * HALO as usize + 1;
+        // Blocks may read past the last column, of the last row past the end.
+        let slack = 32_usize.div_ceil(N);
+        Self {
+            first: 0,
+            columns,
+            top: 0,
+            evens: vec![[0; N]; ROWS * columns],
+            details: vec![[0; N]; 3 * ROWS * columns + slack],
+        }
+    }
+
+    /// Begins a strip at an even vertex, with row `top`. What an earlier strip left stays where nothing is read over it,
+    /// and no regular vertex reads it.
+    pub(super) fn start(&mut self, first: u32, top: i32) {
+        self.first = first as i32;
+        self.top = top;
+    }
+
+    /// Makes room for a row; all but the last few before it are given up.
+    pub(super) fn advance_to(&mut self, r: i32) {
+        if (r - self.top) as usize >= ROWS {
+            let dropped = ROWS - KEPT;
+            let kept =
+                |plane: usize| (plane * ROWS + dropped) * self.columns..(plane + 1) * ROWS * self.columns;
+            self.evens.copy_within(kept(0), 0);
+            for plane in 0..3 {
+                self.details.copy_within(kept(plane), plane * ROWS * self.columns);
+            }
+            self.top += dropped as i32;
+        }
+    }
+
+    fn row_start(&self, r: i32) -> usize {
+        (r - self.top) as usize * self.columns
+    }
+
+    /// Columns of a row, halo included.
+    pub(super) fn row_len(&self) -> usize {
+        self.columns
+    }
+
+    /// The columns of row `r` of a face with `n` segments that are in use; beyond them nothing is read.
+    pub(super) fn used(&self, n: i32, r: i32) -> usize {
+        (n - r + 2 * HALO + 1 - self.first).clamp(2, self.columns as i32) as usize
+    }
+
+    /// The column of even vertex `I`.
+    pub(super) fn column(&self, i: i32) -> usize {
+        (i - self.first + HALO) as usize
+    }
+
+    /// Row `r` of all planes.
+    pub(super) fn row(&mut self, r: i32) -> RowMut<'_, N> {
+        let at = self.row_start(r);
+        let (h, rest) = self.details.split_at_mut(ROWS * self.columns);
+        let (v, d) = rest.split_at_mut(ROWS * self.columns);
+        let one = at..at + self.columns;
+        RowMut {
+            e: &mut self.evens[one.clone()],
+            h: &mut h[one.clone()],
+            v: &mut v[one.clone()],
+            d: &mut d[one],
+        }
+    }
+
+    /// The even vertices of rows `r` and `r + 1`, and row `r` of the two planes between them.
+    pub(super) fn between(&mut self, r: i32) -> (&[[i32; N]], &[[i32; N]], RowMut<'_, N>) {
+        let at = self.row_start(r);
+        let (h, rest) = self.details.split_at_mut(ROWS * self.columns);
+        let (v, d) = rest.split_at_mut(ROWS * self.columns);
+        let one = at..at + self.columns;
+        let (upper, lower) = self.evens[at..at + 2 * self.columns].split_at(self.columns);
+        (upper, lower, RowMut { e: &mut [], h: &mut h[one.clone()], v: &mut v[one.clone()], d: &mut d[one] })
+    }
+
+    /// All details, the distance in values of row `r`, column `first − HALO`, and that row of even vertices.
+    pub(super) fn for_update(&mut self, r: i32) -> (&[i32], usize, &mut [[i32; N]]) {
+        let at = self.row_start(r);
+        // Taps are counted from HALO rows and columns before the even vertex.
+        let from = (at - HALO as usize * self.columns) * N;
+        (self.details.as_flattened(), from, &mut self.evens[at..at + self.columns])
+    }
+
+    /// Places a stencil in the details, counted as [`Window::for_update`] does.
+    pub(super) fn place(&self, stencil: &Stencil) -> PlacedStencil {
+        stencil.placed(|Place { plane, i, r }| {
+            let row = plane as usize * ROWS + (r + HALO) as usize;
+            ((row * self.columns) as i32 + i) as u32 * N as u32
+        })
+    }
+}
