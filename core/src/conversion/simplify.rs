@@ -141,10 +141,8 @@ pub(super) fn simplify(
                 continue;
             }
             attempts += 1;
-            if attempts.is_multiple_of(STRIDE) {
-                if !progress(done(mesh)) {
-                    return Err(Cancelled);
-                }
+            if attempts.is_multiple_of(STRIDE) && !progress(done(mesh)) {
+                return Err(Cancelled);
             }
             let Attempt::Done { kept, gone } =
                 collapser.collapse(mesh, map.as_deref_mut(), &quadrics, ends, rules)

@@ -62,7 +62,7 @@ impl Size {
             (None, _) => more_faces,
             (Some(_), None) => more_levels,
         };
-        let allowed = (MOST_FOR_TOLERANCE * input.faces.len() as f64).max(ALWAYS_ALLOWED).min(NEVER_MORE);
+        let allowed = (MOST_FOR_TOLERANCE * input.faces.len() as f64).clamp(ALWAYS_ALLOWED, NEVER_MORE);
         // A base mesh needs far fewer faces than its input.
         let simple = next.base_faces * 4 <= input.faces.len().max(4 * self.base_faces);
         (next.finest() <= allowed && simple).then_some(next)
