@@ -204,7 +204,7 @@ impl WithSimd for RowNormals<'_> {
             for l in 0..BLOCK {
                 let length = (x[l] * x[l] + y[l] * y[l] + z[l] * z[l]).sqrt();
                 let scale = 1.0 / length;
-                let flat = !(length > 0.0);
+                let flat = length.is_nan() || length <= 0.0;
                 (x[l], y[l], z[l]) = (x[l] * scale, y[l] * scale, z[l] * scale);
                 (x[l], y[l], z[l]) = (
                     if flat { 0.0 } else { x[l] },
@@ -246,10 +246,10 @@ fn add_cross(sum: &mut [[f32; BLOCK]; 3], [a, b]: [&[[f32; BLOCK]; 3]; 2], [c, d
             w[k][l] = c[k][l] - d[k][l];
         }
     }
-    for k in 0..3 {
+    for (k, sum) in sum.iter_mut().enumerate() {
         let (next, last) = ((k + 1) % 3, (k + 2) % 3);
         for l in 0..BLOCK {
-            sum[k][l] += u[next][l] * w[last][l] - u[last][l] * w[next][l];
+            sum[l] += u[next][l] * w[last][l] - u[last][l] * w[next][l];
         }
     }
 }
