@@ -136,11 +136,12 @@ fn creases(mesh: &TriangleMesh, surface: &Surface) {
     if points.is_empty() {
         return;
     }
+    let diagonal = mesh.diagonal();
     let figures: Vec<String> = (0..=surface.finest().0)
         .map(|level| {
             let tree = BoundingVolumes::build(&surface.to_mesh(Level(level))).expect("faces");
-            let off =
-                |p: &DVec3| DVec3::from(tree.closest(p.to_array()).point).distance(*p) / mesh.diagonal();
+            let mut cursor = tree.cursor();
+            let off = |p: &DVec3| DVec3::from(cursor.closest(p.to_array()).point).distance(*p) / diagonal;
             let (max, squares) =
                 points.iter().map(off).fold((0.0f64, 0.0), |(max, sum), d| (max.max(d), sum + d * d));
             format!("{level}: {max:.2e} {:.2e}", (squares / points.len() as f64).sqrt())

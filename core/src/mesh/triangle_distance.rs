@@ -11,6 +11,9 @@
 
 use glam::DVec3;
 
+/// Below this square of height over length a triangle counts as a needle.
+const NEEDLE: f64 = 1e-2;
+
 /// The closest point on triangle `corners` to `p`, and its squared distance from `p`.
 ///
 /// Extents and distances must lie between 1e-70 and 1e70, so that their fourth powers neither vanish nor
@@ -33,10 +36,14 @@ pub(crate) fn closest_on_triangle(p: DVec3, corners: &[DVec3; 3]) -> (DVec3, f64
     if outside.contains(&true) {
         return nearest_of(outside);
     }
-    let foot = nearest_of([true; 3]);
-
-    // The height is taken from the nearest point of the boundary: the normal of a needle is badly known
-    // along the needle, and so short a lever makes that error harmless.
+    // The height is taken from a corner, or for a needle from the nearest point of the boundary: its normal is badly
+    // known along the needle, and so short a lever makes that error harmless.
+    let longest = (b - a).length_squared().max((c - a).length_squared());
+    let foot = if squared_normal > NEEDLE * longest * longest {
+        (a, (p - a).length_squared())
+    } else {
+        nearest_of([true; 3])
+    };
     let height = (p - foot.0).dot(normal);
     let scale = height / squared_normal;
     nearer(foot, (p - normal * scale, height * scale))
