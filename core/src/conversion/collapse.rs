@@ -36,6 +36,8 @@ pub(super) enum Attempt {
     Refused,
 }
 
+/// Vertices more pointed than this (see [`WorkingMesh::pointedness`]) are tips and keep their places: a cone of 74°.
+const TIP: f64 = 0.8;
 /// Cost of the worst face, as a factor: 1 for an equilateral one.
 const SLIVER_PENALTY: f64 = 0.5;
 /// Factor for each step of valence above seven.
@@ -133,11 +135,17 @@ impl Collapser {
         if apart || (mesh.is_corner(a) && mesh.is_corner(b)) {
             return None;
         }
-        let rank = |v: u32| (mesh.is_corner(v), mesh.is_on_curve(v));
-        let (kept, gone) = if rank(b) > rank(a) { (b, a) } else { (a, b) };
         let [near_kept, near_gone] = &mut self.near;
-        mesh.neighbours(kept, near_kept);
-        mesh.neighbours(gone, near_gone);
+        mesh.neighbours(a, near_kept);
+        mesh.neighbours(b, near_gone);
+        let tip = |v, near: &[u32]| Some(mesh.pointedness(v, near)).filter(|&pointed| pointed > TIP);
+        let tips = [tip(a, near_kept), tip(b, near_gone)];
+        let rank = |v: u32, tip: Option<f64>| (mesh.is_corner(v), mesh.is_on_curve(v), tip);
+        let (mut kept, mut gone) = (a, b);
+        if rank(b, tips[1]) > rank(a, tips[0]) {
+            (kept, gone) = (b, a);
+            std::mem::swap(near_kept, near_gone);
+        }
         let shared = || near_kept.iter().filter(|v| near_gone.binary_search(v).is_ok());
         let opposite = sides.iter().flatten().count();
         if shared().count() != opposite {
@@ -175,7 +183,8 @@ impl Collapser {
         if shared().any(thinned) || narrows(mesh, [kept, gone], sides) {
             return None;
         }
-        let stays = mesh.is_corner(kept) || (mesh.is_on_curve(kept) && !mesh.is_on_curve(gone));
+        let at_tip = !mesh.is_on_curve(kept) && tips != [None; 2];
+        let stays = at_tip || mesh.is_corner(kept) || (mesh.is_on_curve(kept) && !mesh.is_on_curve(gone));
         let place = if stays {
             mesh.positions[kept as usize]
         } else {

@@ -23,6 +23,8 @@ pub(super) struct Address {
 pub(super) const HEIGHT: f64 = 0.866_025_403_784_438_6;
 /// Faces looked over at most between two that do not touch.
 const FARTHEST: usize = 64;
+/// Least pointedness (see [`WorkingMesh::pointedness`]) of a tip.
+const TIP: f64 = 0.55;
 /// Edges crossed at most on the way to the face that holds a point.
 const CROSSINGS: usize = 8;
 
@@ -35,6 +37,8 @@ pub(super) struct Domain<'m> {
     working: Vec<(u32, [u8; 3])>,
     /// For each vertex whether it keeps its place.
     pub(super) pinned: Vec<bool>,
+    /// For each vertex whether it is the tip of something that evening must not leave behind.
+    pub(super) tips: Vec<bool>,
     /// Its boundary and sharp edges.
     pub(super) curves: Curves,
     map: &'m Parameterisation,
@@ -60,7 +64,8 @@ impl<'m> Domain<'m> {
             .flat_map(|v| mesh.crease_ends(v).iter().filter(move |&&w| v < w).map(move |&w| [v, w]))
             .map(|ends| ends.map(|v| number[v as usize]))
             .collect();
-        let pinned: Vec<bool> = live.map(|v| mesh.is_corner(v)).collect();
+        let pinned: Vec<bool> = live.clone().map(|v| mesh.is_corner(v)).collect();
+        let tips = tips(mesh, live);
         let base = BaseMesh::new(count, mesh.live_faces().map(numbered).collect(), &sharp)?;
         let by_corners: FxHashMap<[u32; 3], u32> =
             mesh.live_faces().map(|f| (sorted(numbered(f)), f)).collect();
@@ -74,7 +79,7 @@ impl<'m> Domain<'m> {
             })
             .collect();
         let curves = Curves::new(&base, &pinned);
-        Ok(Self { base: Arc::new(base), working, pinned, curves, map })
+        Ok(Self { base: Arc::new(base), working, pinned, tips, curves, map })
     }
 
     /// The point of the input. Cost: that of [`Parameterisation::back`].
@@ -213,6 +218,22 @@ impl<'m> Domain<'m> {
     pub(super) fn blend_on_curve(&self, parts: &[(f64, Address)]) -> Option<Address> {
         self.curves.blend(&self.base, parts)
     }
+}
+
+/// Which of the vertices are tips: pointed, and more so than their neighbours.
+fn tips(mesh: &WorkingMesh, live: impl Iterator<Item = u32>) -> Vec<bool> {
+    let pointed = |v: u32| {
+        let mut near = Vec::new();
+        mesh.neighbours(v, &mut near);
+        if mesh.is_on_curve(v) { 0.0 } else { mesh.pointedness(v, &near) }
+    };
+    let tip = |v: u32| {
+        let own = pointed(v);
+        let mut near = Vec::new();
+        mesh.neighbours(v, &mut near);
+        own > TIP && near.iter().all(|&w| (pointed(w), v) < (own, w))
+    };
+    live.map(tip).collect()
 }
 
 /// The same point in the chart of the face beyond edge `k`; `None` on the boundary.

@@ -50,18 +50,19 @@ struct Slides<'w> {
 }
 
 impl Evening<'_> {
-    /// Slides the levels one after another, each so many rounds; levels the lattice has not are its finest. Returns
-    /// where the vertices are then.
+    /// Slides the levels one after another, each so many rounds; levels the lattice has not are its finest. `points`
+    /// are where its vertices are; returns where they are then.
     ///
     /// # Errors
     /// The progress function asked to stop.
     pub(super) fn run(
         &self,
         lattice: &mut Lattice,
+        points: Vec<OnFace>,
         rounds: &[(Level, usize)],
         progress: &dyn Fn() -> bool,
     ) -> Result<Places, Cancelled> {
-        let mut places = self.true_places(lattice);
+        let mut places = Places::of(self.ground, self.density, points);
         for &(level, count) in rounds {
             let hierarchy = lattice.hierarchy.clone();
             let warp = Warp::new(&hierarchy, level.min(hierarchy.finest()));
@@ -132,7 +133,7 @@ impl Evening<'_> {
         ways: &[DVec2],
         length: f64,
     ) -> (Vec<Address>, Vec<OnFace>) {
-        let slides = Slides::new(lattice, warp, ways, length);
+        let slides = Slides::new(lattice, &self.domain.tips, warp, ways, length);
         let layout = lattice.layout();
         (0..lattice.addresses.len())
             .into_par_iter()
@@ -289,7 +290,7 @@ fn distortion(a: DVec3, b: DVec3, c: DVec3, scale: f64) -> Distortion {
 }
 
 impl<'w> Slides<'w> {
-    fn new(lattice: &Lattice, warp: &'w Warp<'w>, ways: &[DVec2], length: f64) -> Self {
+    fn new(lattice: &Lattice, tips: &[bool], warp: &'w Warp<'w>, ways: &[DVec2], length: f64) -> Self {
         let limit = REACH * f64::from(warp.stride);
         let ways: Vec<DVec2> = ways
             .iter()
@@ -306,6 +307,7 @@ impl<'w> Slides<'w> {
                             if forward > 0.0 { a * forward } else { b * -forward }
                         }
                     },
+                    Site::Base(v) if tips[v as usize] => DVec2::ZERO,
                     _ => way,
                 }
             })

@@ -4,11 +4,15 @@
 //! Guarantees: the best iterate of the last steps is returned; a step that would turn a face over is not made
 //! there; the same input gives the same result at any number of threads.
 
+use super::fitted::Fitted;
 use super::normal_equations::{FaceBlocks, Symmetric, System};
-use super::pulls::{Boosts, Fitted, Look, Pulls, Target};
+use super::pulls::{Boosts, Look, Pulls};
 use super::simplify::Cancelled;
+use super::target::Target;
+use super::watch::Watch;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// How to fit.
 #[derive(Debug, Clone, Copy)]
@@ -50,6 +54,12 @@ pub(super) struct Faces<'a> {
     pub(super) turned: &'a [bool],
 }
 
+/// Positions, and how they lie beside the input.
+pub(super) struct Iterate {
+    pub(super) positions: Vec<DVec3>,
+    pub(super) pulls: Arc<Pulls>,
+}
+
 /// Fits positions; returns the best iterate: least root mean square, with some regard to the greatest distance.
 ///
 /// # Errors
@@ -60,19 +70,20 @@ pub(super) fn fit(
     start: Vec<DVec3>,
     rules: &FitRules,
     progress: &dyn Fn(f32) -> bool,
-) -> Result<Vec<DVec3>, Cancelled> {
-    let mut boosts = target.boosts(fitted);
+) -> Result<Iterate, Cancelled> {
+    let mut boosts = Boosts::even(target, fitted);
+    let mut watch = Watch::new(target, fitted);
     let mut positions = start;
-    let mut best: Option<(f64, Vec<DVec3>)> = None;
+    let mut best: Option<(f64, Iterate)> = None;
     for step in 0..=rules.steps {
         let go_on = || progress(step as f32 / (rules.steps + 1) as f32);
         let look = if step < rules.rough { Look::Rough } else { Look::Close };
-        let pulls = target.pulls(fitted, &positions, &boosts, look, &go_on)?;
+        let pulls = watch.look(&positions, look, &go_on)?;
         let turned = turned_faces(fitted, &positions, &pulls.normals);
         let folds = turned.iter().filter(|turned| **turned).count();
         let score = pulls.rms + MAX_VALUE * pulls.max + folds as f64 * 1e-6;
         if look == Look::Close && best.as_ref().is_none_or(|best| score < best.0) {
-            best = Some((score, positions.clone()));
+            best = Some((score, Iterate { positions: positions.clone(), pulls: pulls.clone() }));
         }
         if step == rules.steps {
             break;
@@ -81,12 +92,12 @@ pub(super) fn fit(
             boost(&mut boosts, &pulls);
         }
         let faces = Faces { normals: &pulls.normals, turned: &turned };
-        let delta =
-            solve(fitted, &positions, &pulls.face_blocks(), faces, rules.smoothing, &|_| true, &go_on)?;
+        let blocks = pulls.face_blocks((target, fitted), &positions, &boosts);
+        let delta = solve(fitted, &positions, &blocks, faces, rules.smoothing, &|_| true, &go_on)?;
         positions = guarded(fitted, &positions, &delta, &pulls.normals);
     }
-    let (_, positions) = best.expect("the last iterate was looked at closely");
-    Ok(positions)
+    let (_, best) = best.expect("the last iterate was looked at closely");
+    Ok(best)
 }
 
 /// One step of every vertex that is `free`.
@@ -146,15 +157,13 @@ fn along_surface(fitted: &Fitted, positions: &[DVec3], normals: &[DVec3], v: usi
 /// Raises the weights of the worst samples; those of others fall back slowly.
 fn boost(boosts: &mut Boosts, pulls: &Pulls) {
     let line = WORST * pulls.rms;
-    let raise = |boosts: &mut [f64], distances: &[f64]| {
-        for (boost, distance) in boosts.iter_mut().zip(distances) {
-            let excess = distance / line;
-            let wanted = if excess > 1.0 { *boost * excess.min(3.0) } else { (*boost * 0.9).max(1.0) };
-            *boost = wanted.min(GREATEST_BOOST);
-        }
+    let raise = |(boost, gap): (&mut f64, DVec3)| {
+        let excess = gap.length() / line;
+        let wanted = if excess > 1.0 { *boost * excess.min(3.0) } else { (*boost * 0.9).max(1.0) };
+        *boost = wanted.min(GREATEST_BOOST);
     };
-    raise(&mut boosts.from_input, &pulls.from_input);
-    raise(&mut boosts.from_fitted, &pulls.from_fitted);
+    boosts.from_input.iter_mut().zip(pulls.forth.iter().map(|forth| forth.gap)).for_each(raise);
+    boosts.from_fitted.iter_mut().zip(pulls.back.iter().map(|back| back.gap)).for_each(raise);
 }
 
 /// Faces whose normal is against that of the input near them.

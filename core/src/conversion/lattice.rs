@@ -5,8 +5,8 @@
 
 use super::curves::Curves;
 use super::domain::{Address, Domain, sorted};
+use super::fitted::Fitted;
 use super::parameterise::OnFace;
-use super::pulls::Fitted;
 use super::walk::Ground;
 use super::warp::{cell, row_index};
 use crate::hierarchy::{BaseMesh, Hierarchy, Layout, Level, Site, Slot};

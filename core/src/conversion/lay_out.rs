@@ -6,6 +6,7 @@ use super::density::Density;
 use super::domain::Domain;
 use super::even::Evening;
 use super::lattice::{Lattice, Places};
+use super::parameterise::OnFace;
 use super::simplify::Cancelled;
 use super::walk::Ground;
 use crate::hierarchy::Level;
@@ -22,11 +23,11 @@ struct Stage {
 /// Without the first stages handles of the input stay twisted, and horns and ears are spread over too few faces; there
 /// a round costs little. On four scans twice the rounds of the last stages change the error by nothing.
 const STAGES: [Stage; 9] = [
-    Stage { finest: 2, rounds: &[(Level(0), 8), (Level(1), 8), (Level(2), 8)], flips: true },
-    Stage { finest: 2, rounds: &[(Level(0), 8), (Level(1), 8), (Level(2), 8)], flips: true },
-    Stage { finest: 2, rounds: &[(Level(0), 8), (Level(1), 8), (Level(2), 8)], flips: true },
-    Stage { finest: 2, rounds: &[(Level(0), 8), (Level(1), 8), (Level(2), 8)], flips: true },
-    Stage { finest: 2, rounds: &[(Level(0), 8), (Level(1), 8), (Level(2), 8)], flips: true },
+    Stage { finest: 2, rounds: &[(Level(0), 6), (Level(1), 6), (Level(2), 6)], flips: true },
+    Stage { finest: 2, rounds: &[(Level(0), 6), (Level(1), 6), (Level(2), 6)], flips: true },
+    Stage { finest: 2, rounds: &[(Level(0), 6), (Level(1), 6), (Level(2), 6)], flips: true },
+    Stage { finest: 2, rounds: &[(Level(0), 6), (Level(1), 6), (Level(2), 6)], flips: true },
+    Stage { finest: 2, rounds: &[(Level(0), 6), (Level(1), 6), (Level(2), 6)], flips: true },
     Stage { finest: 3, rounds: &[(Level(1), 4), (Level(2), 4), (Level(3), 4)], flips: true },
     Stage { finest: 3, rounds: &[(Level(0), 4), (Level(1), 4), (Level(2), 4), (Level(3), 4)], flips: true },
     Stage { finest: 4, rounds: &[(Level(2), 3), (Level(3), 4), (Level(4), 3)], flips: false },
@@ -73,34 +74,39 @@ pub(super) fn lay_out(
     let mut lattice = Lattice::over(domain, first).ok_or(NoLattice::TooFine)?;
     // Whether the finest level fits, before any work.
     Lattice::fits(domain, levels).ok_or(NoLattice::TooFine)?;
+    // Where its vertices are, while that is known.
+    let mut points = None;
     for (at, stage) in stages.iter().enumerate() {
         let finest = Level(stage.finest.min(levels.0));
         let asked = || progress(at as f32 / stages.len() as f32);
         while lattice.hierarchy.finest() < finest {
             lattice = lattice.refined(domain).ok_or(NoLattice::TooFine)?;
+            points = None;
         }
+        let start = points.take().unwrap_or_else(|| lattice.points(domain));
         if at > 0 {
-            reveal(input, density, &lattice);
+            reveal(input, density, &lattice, &start);
         }
         let evening = Evening { domain, ground, density: &density.at };
-        let places = evening.run(&mut lattice, stage.rounds, &asked)?;
+        let places = evening.run(&mut lattice, start, stage.rounds, &asked)?;
         if stage.flips
             && let Some(better) = flipped(&lattice, domain, &places)
         {
             lattice = better;
+        } else {
+            points = Some(places.points);
         }
     }
-    let places = Places::of(ground, &density.at, lattice.points(domain));
+    let places = Places::of(ground, &density.at, points.unwrap_or_else(|| lattice.points(domain)));
     Ok((lattice, places))
 }
 
 /// Raises the density where the lattice misses something.
-fn reveal(input: &Input, density: &mut Density, lattice: &Lattice) {
-    let places = Places::of(input.ground, &density.at, lattice.points(input.domain));
+fn reveal(input: &Input, density: &mut Density, lattice: &Lattice, points: &[OnFace]) {
     let surface = TriangleMesh {
-        positions: places.at.iter().map(|p| p.to_array()).collect(),
+        positions: points.iter().map(|point| input.ground.place(point).to_array()).collect(),
         faces: lattice.fitted.pattern.faces().to_vec(),
     };
     let edge = (4.0 / 3f64.sqrt() * density.area() / surface.faces.len() as f64).sqrt();
-    density.reveal(input.mesh, &surface, &places.points, FAR * edge);
+    density.reveal(input.mesh, &surface, points, FAR * edge);
 }

@@ -7,10 +7,14 @@
 //! Guarantees: a place is changed only where that makes it better; vertices on a boundary and those far from all such
 //! places stay; the same input gives the same result at any number of threads.
 
+use super::fit::Iterate;
+use super::fitted::Fitted;
 use super::patch::{POINTS, Patch};
-use super::pulls::{Fitted, Look, Pulls, Target};
+use super::pulls::Pulls;
 use super::simplify::Cancelled;
+use super::target::Target;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// A place is bad from this many times the root mean square on.
 const BAD: f64 = 10.0;
@@ -21,8 +25,19 @@ const GREATEST_BOOST: f64 = 3000.0;
 /// Weight of evening out along the surface, against that of the samples.
 const SMOOTHING: f64 = 0.03;
 
+/// How a pass goes on from one step to the next.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Steps {
+    /// By fits.
+    Fit,
+    /// By smoothing alone, as far as the distance allows: a face may lie across a crevice whose walls turn it over
+    /// however it is fitted.
+    Smooth,
+}
+
 /// One pass over the bad places.
 struct Pass {
+    by: Steps,
     /// Rings of vertices around what is bad that may move.
     rings: usize,
     /// Steps from each start.
@@ -35,16 +50,17 @@ struct Pass {
 
 /// First a little around all; then ever further around what is left, starting from the true places too. On three
 /// scans the greatest distance falls by a third to two thirds, with about as many queries as the fit makes.
-const PASSES: [Pass; 3] = [
-    Pass { rings: 2, steps: 8, starts: 1, smoothing: 0.3 },
-    Pass { rings: 5, steps: 10, starts: 2, smoothing: 1.0 },
-    Pass { rings: 7, steps: 14, starts: 2, smoothing: 1.0 },
+const PASSES: [Pass; 4] = [
+    Pass { by: Steps::Fit, rings: 2, steps: 8, starts: 1, smoothing: 0.3 },
+    Pass { by: Steps::Fit, rings: 5, steps: 10, starts: 2, smoothing: 1.0 },
+    Pass { by: Steps::Fit, rings: 7, steps: 14, starts: 2, smoothing: 1.0 },
+    Pass { by: Steps::Smooth, rings: 1, steps: 12, starts: 2, smoothing: 1.0 },
 ];
 
 /// A part this many times the root mean square bad is left alone.
-const DONE: f64 = 12.0;
+const DONE: f64 = 14.0;
 /// A part is mended enough when its score is this many times the root mean square.
-const ENOUGH: f64 = 14.0;
+const ENOUGH: f64 = 15.0;
 
 /// What is to be mended.
 pub(super) struct Mending<'a> {
@@ -57,18 +73,15 @@ pub(super) struct Mending<'a> {
 }
 
 impl Mending<'_> {
-    /// Mends the bad places of a fit.
+    /// Mends the bad places of a fit that was looked at closely.
     ///
     /// # Errors
     /// The progress function asked to stop.
     pub(super) fn run(
         &self,
-        mut positions: Vec<DVec3>,
+        Iterate { mut positions, pulls }: Iterate,
         progress: &dyn Fn(f32) -> bool,
     ) -> Result<Vec<DVec3>, Cancelled> {
-        let boosts = self.target.boosts(self.fitted);
-        let go_on = || progress(0.0);
-        let pulls = self.target.pulls(self.fitted, &positions, &boosts, Look::Close, &go_on)?;
         let mut bad = self.bad(&positions, &pulls);
         for (k, pass) in PASSES.iter().enumerate() {
             let done = |part: f32| progress((k as f32 + part) / PASSES.len() as f32);
@@ -90,6 +103,7 @@ impl Mending<'_> {
         if patch.own == 0 {
             return Ok(Vec::new());
         }
+        let mut tree = None;
         let mut best: Vec<DVec3> = patch.vertices.iter().map(|&v| positions[v as usize]).collect();
         let mut least = vec![f64::INFINITY; patch.parts];
         let starts = &[&positions[..], self.places][..pass.starts];
@@ -109,7 +123,7 @@ impl Mending<'_> {
                 if !active.contains(&true) {
                     break;
                 }
-                let look = patch.look(self.target, &at, &active);
+                let look = patch.look(self.target, &mut tree, &at, &active);
                 let scores = look.scores(&patch, pulls.rms, &active);
                 for v in (0..at.len()).filter(|&v| patch.free[v]) {
                     let part = patch.part[v] as usize;
@@ -126,6 +140,10 @@ impl Mending<'_> {
                 least.iter_mut().zip(&scores).for_each(|(least, score)| *least = least.min(*score));
                 if step == pass.steps {
                     break;
+                }
+                if pass.by == Steps::Smooth {
+                    at = patch.smoothed(&at, &active);
+                    continue;
                 }
                 boost(&mut boosts.0, &look.from_input, pulls.rms);
                 boost(&mut boosts.1, &look.from_fitted, pulls.rms);
@@ -146,19 +164,20 @@ impl Mending<'_> {
     /// Faces that are turned over, slivers, and those where the surfaces are far apart.
     fn bad(&self, positions: &[DVec3], pulls: &Pulls) -> Vec<u32> {
         let far = BAD * pulls.rms;
-        let mut bad = pulls.against.clone();
         let faces = self.fitted.pattern.faces();
+        let mut bad = self.turned(positions);
+        bad.iter_mut().enumerate().for_each(|(f, bad)| *bad |= pulls.is_against(f));
         for (f, face) in faces.iter().enumerate() {
             let [a, b, c] = face.map(|v| positions[v as usize]);
             let longest =
                 (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
             bad[f] |= (b - a).cross(c - a).length() < SLIVER * longest;
         }
-        for (distance, &face) in pulls.from_input.iter().zip(&pulls.hit) {
-            bad[face as usize] |= *distance > far;
+        for forth in &pulls.forth {
+            bad[forth.face as usize] |= forth.gap.length() > far;
         }
-        for (k, distance) in pulls.from_fitted.iter().enumerate() {
-            if *distance > far {
+        for (k, back) in pulls.back.iter().enumerate() {
+            if back.gap.length() > far {
                 let at_vertex = k.checked_sub(3 * faces.len());
                 bad[at_vertex.map_or(k / 3, |v| self.fitted.pattern.corners(v)[0] as usize / 3)] = true;
             }
@@ -167,6 +186,24 @@ impl Mending<'_> {
     }
 }
 
+impl Mending<'_> {
+    /// For each face whether the input nearest to its middle faces the other way.
+    fn turned(&self, positions: &[DVec3]) -> Vec<bool> {
+        let of_chunk = |faces: &[[u32; 3]]| {
+            let mut cursor = self.target.tree.cursor();
+            let turned = |face: &[u32; 3]| {
+                let [a, b, c] = face.map(|v| positions[v as usize]);
+                let near = cursor.closest(((a + b + c) / 3.0).to_array());
+                (b - a).cross(c - a).dot(self.target.normals[near.face.0 as usize]) <= 0.0
+            };
+            faces.iter().map(turned).collect::<Vec<_>>()
+        };
+        self.fitted.pattern.faces().par_chunks(CHUNK).flat_map_iter(of_chunk).collect()
+    }
+}
+
+/// Faces one thread looks at in a row.
+const CHUNK: usize = 1024;
 /// Twice the area of a sliver is less than this part of its longest side's square.
 const SLIVER: f64 = 0.05;
 

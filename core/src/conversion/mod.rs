@@ -11,6 +11,7 @@ mod domain;
 mod edge_flips;
 mod even;
 mod fit;
+mod fitted;
 mod flatten;
 mod globe;
 mod held;
@@ -25,8 +26,10 @@ mod quadric;
 pub mod remesh;
 mod simplify;
 mod size;
+mod target;
 mod walk;
 mod warp;
+mod watch;
 mod working_mesh;
 
 pub use convert::{ConversionError, ConversionOptions, Converted, Remesh, convert, convert_with_progress};

@@ -20,17 +20,19 @@ pub(super) struct OnFace {
 /// A weight below this counts as 0: points on an edge stay on it, whatever the rounding.
 const ON_EDGE: f64 = 1e-11;
 
-/// A face that a change took away or made: its number and the plane places of its corners, as indices into
-/// [`Parameterisation::plane`].
+/// A face that a change took away or made: its number and the plane places of its corners, counted from the change's
+/// first.
 #[derive(Debug, Clone, Copy)]
 struct FlatFace {
     face: u32,
-    corners: [u32; 3],
+    corners: [u8; 3],
 }
 
-/// Where a change's faces begin in [`Parameterisation::faces`]: those before, then those after.
+/// Where a change's places begin in [`Parameterisation::plane`], and its faces in [`Parameterisation::faces`]: those
+/// before, then those after.
 #[derive(Debug, Clone, Copy)]
 struct Change {
+    plane: u32,
     before: u32,
     after: u32,
     #[cfg(test)]
@@ -64,16 +66,16 @@ impl Parameterisation {
     ) {
         let origin = self.plane.len() as u32;
         self.plane.extend_from_slice(plane);
-        let local = |corners: [u8; 3]| corners.map(|v| origin + u32::from(v));
         let start = self.faces.len() as u32;
-        self.faces.extend(before.map(|(face, corners)| FlatFace { face, corners: local(corners) }));
+        self.faces.extend(before.map(|(face, corners)| FlatFace { face, corners }));
         let middle = self.faces.len() as u32;
         for corners in after {
             let face = self.input_faces + self.made.len() as u32;
             self.made.push((self.faces.len() as u32, self.changes.len() as u32));
-            self.faces.push(FlatFace { face, corners: local(corners) });
+            self.faces.push(FlatFace { face, corners });
         }
         self.changes.push(Change {
+            plane: origin,
             before: start,
             after: middle,
             #[cfg(test)]
@@ -87,8 +89,9 @@ impl Parameterisation {
         while point.face >= self.input_faces {
             let (entry, change) = self.made[(point.face - self.input_faces) as usize];
             let change = self.changes[change as usize];
-            let at = self.in_plane(self.faces[entry as usize], point.weights);
-            point = self.find(&self.faces[change.before as usize..change.after as usize], at);
+            let plane = &self.plane[change.plane as usize..];
+            let at = in_plane(plane, self.faces[entry as usize], point.weights);
+            point = find(plane, &self.faces[change.before as usize..change.after as usize], at);
         }
         point
     }
@@ -99,36 +102,9 @@ impl Parameterisation {
         let change = self.changes[change];
         let before = &self.faces[change.before as usize..change.after as usize];
         let from = before.iter().find(|f| f.face == point.face)?;
-        let at = self.in_plane(*from, point.weights);
-        Some(self.find(&self.faces[change.after as usize..change.end as usize], at))
-    }
-
-    fn in_plane(&self, face: FlatFace, weights: [f64; 3]) -> DVec2 {
-        let [a, b, c] = face.corners.map(|v| self.plane[v as usize]);
-        a * weights[0] + b * weights[1] + c * weights[2]
-    }
-
-    /// The face that holds a point of the plane, or the nearest to holding it.
-    fn find(&self, faces: &[FlatFace], at: DVec2) -> OnFace {
-        let mut best = OnFace { face: faces[0].face, weights: [1.0, 0.0, 0.0] };
-        let mut least = f64::NEG_INFINITY;
-        for candidate in faces {
-            let [a, b, c] = candidate.corners.map(|v| self.plane[v as usize]);
-            let (u, v, w) = ((b - at).perp_dot(c - at), (c - at).perp_dot(a - at), (a - at).perp_dot(b - at));
-            let scale = 1.0 / (u + v + w);
-            let weights = [u * scale, v * scale, w * scale];
-            let smallest = weights[0].min(weights[1]).min(weights[2]);
-            if smallest > least {
-                least = smallest;
-                best = OnFace { face: candidate.face, weights };
-                if smallest >= 0.0 {
-                    break;
-                }
-            }
-        }
-        let clamped = best.weights.map(|w| if w < ON_EDGE { 0.0 } else { w });
-        let sum: f64 = clamped.iter().sum();
-        OnFace { face: best.face, weights: clamped.map(|w| w / sum) }
+        let plane = &self.plane[change.plane as usize..];
+        let at = in_plane(plane, *from, point.weights);
+        Some(find(plane, &self.faces[change.after as usize..change.end as usize], at))
     }
 
     /// The number of changes.
@@ -136,6 +112,34 @@ impl Parameterisation {
     pub(super) fn len(&self) -> usize {
         self.changes.len()
     }
+}
+
+fn in_plane(plane: &[DVec2], face: FlatFace, weights: [f64; 3]) -> DVec2 {
+    let [a, b, c] = face.corners.map(|v| plane[usize::from(v)]);
+    a * weights[0] + b * weights[1] + c * weights[2]
+}
+
+/// The face that holds a point of the plane, or the nearest to holding it.
+fn find(plane: &[DVec2], faces: &[FlatFace], at: DVec2) -> OnFace {
+    let mut best = OnFace { face: faces[0].face, weights: [1.0, 0.0, 0.0] };
+    let mut least = f64::NEG_INFINITY;
+    for candidate in faces {
+        let [a, b, c] = candidate.corners.map(|v| plane[usize::from(v)] - at);
+        let parts = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
+        let sum = parts[0] + parts[1] + parts[2];
+        let smallest = parts[0].min(parts[1]).min(parts[2]);
+        // The least weight is their quotient: no division is needed to see that it is less.
+        if smallest > least * sum {
+            least = smallest / sum;
+            best = OnFace { face: candidate.face, weights: parts.map(|part| part / sum) };
+            if smallest >= 0.0 {
+                break;
+            }
+        }
+    }
+    let clamped = best.weights.map(|w| if w < ON_EDGE { 0.0 } else { w });
+    let sum: f64 = clamped.iter().sum();
+    OnFace { face: best.face, weights: clamped.map(|w| w / sum) }
 }
 
 #[cfg(test)]
@@ -156,14 +160,15 @@ mod tests {
         for (name, mesh) in shapes::awkward() {
             let (map, _) = simplified(&shapes::subdivide(&mesh, 3), 30);
             for change in 0..map.len() {
-                let Change { before, after, .. } = map.changes[change];
+                let Change { plane, before, after, .. } = map.changes[change];
+                let plane = &map.plane[plane as usize..];
                 for k in before..after {
                     let start = OnFace { face: map.faces[k as usize].face, weights: spread(k) };
                     let there = map.forth(change, start).expect("the change took the face away");
                     let (entry, made_by) = map.made[(there.face - map.input_faces) as usize];
                     assert_eq!(made_by as usize, change);
-                    let at = map.in_plane(map.faces[entry as usize], there.weights);
-                    let again = map.find(&map.faces[before as usize..after as usize], at);
+                    let at = in_plane(plane, map.faces[entry as usize], there.weights);
+                    let again = find(plane, &map.faces[before as usize..after as usize], at);
                     assert_eq!(again.face, start.face, "{name}: change {change}");
                     for c in 0..3 {
                         assert!(

@@ -3,10 +3,12 @@
 //! Guarantees: sums are taken in an order that does not depend on threads.
 
 use super::fit::{Faces, guarded, solve, turned_faces};
+use super::fitted::Fitted;
 use super::mend::Mending;
 use super::normal_equations::FaceBlocks;
-use super::pulls::{Fitted, Pull, Pulls, Target, barycentric};
+use super::pulls::{Pull, Pulls, barycentric};
 use super::simplify::Cancelled;
+use super::target::Target;
 use crate::mesh::{BoundingVolumes, FaceIndex, TriangleMesh};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,9 +18,9 @@ const SAME_SHEET: f64 = -0.2;
 /// Queries one thread makes in a row.
 const CHUNK: usize = 256;
 /// A turned face counts as much as so many times the root mean square of greatest distance.
-const TURNED: f64 = 6.0;
+const TURNED: f64 = 12.0;
 /// Greatest distances below this many times the root mean square are alike.
-const FINE: f64 = 10.0;
+const FINE: f64 = 12.0;
 
 /// Points of a face: corners, the middles of its sides, its middle, and three between.
 pub(super) const POINTS: [[f64; 3]; 10] = {
@@ -132,8 +134,8 @@ impl Patch {
             face_part.push(part[*corner as usize]);
         }
         let mut samples = Vec::new();
-        for ((&at, &f), &hit) in target.samples.iter().zip(&target.sample_faces).zip(&pulls.hit) {
-            let part = part_of[hit as usize];
+        for ((&at, &f), forth) in target.samples.iter().zip(&target.sample_faces).zip(&pulls.forth) {
+            let part = part_of[forth.face as usize];
             if part != u32::MAX {
                 samples.push(Sample { at, normal: target.normals[f as usize], part });
             }
@@ -142,7 +144,7 @@ impl Patch {
         let first = target.by_area;
         let coarse = target.samples.len() == first + target.mesh.positions.len();
         for (f, face) in target.mesh.faces.iter().enumerate().filter(|_| coarse) {
-            let [part, q, r] = face.map(|v| part_of[pulls.hit[first + v as usize] as usize]);
+            let [part, q, r] = face.map(|v| part_of[pulls.forth[first + v as usize].face as usize]);
             if part == u32::MAX || part != q || part != r {
                 continue;
             }
@@ -163,7 +165,14 @@ impl Patch {
         self.fitted.pattern.faces()[face].map(|v| at[v as usize])
     }
 
-    pub(super) fn look(&self, target: &Target, at: &[DVec3], active: &[bool]) -> Nearest {
+    /// `tree` is over the patch, from a look before, or not made yet.
+    pub(super) fn look(
+        &self,
+        target: &Target,
+        tree: &mut Option<BoundingVolumes>,
+        at: &[DVec3],
+        active: &[bool],
+    ) -> Nearest {
         let faces: Vec<u32> =
             (0..self.own as u32).filter(|&f| active[self.face_part[f as usize] as usize]).collect();
         let samples: Vec<u32> = (0..self.samples.len() as u32)
@@ -173,7 +182,11 @@ impl Patch {
             positions: at.iter().map(|p| p.to_array()).collect(),
             faces: self.fitted.pattern.faces().to_vec(),
         };
-        let tree = BoundingVolumes::build(&surface).expect("a patch has faces");
+        match tree {
+            Some(tree) => tree.refit(&surface),
+            None => *tree = BoundingVolumes::build(&surface),
+        }
+        let tree = tree.as_ref().expect("a patch has faces");
         let sheet = |f: usize, weights| {
             blend(self.fitted.pattern.faces()[f].map(|v| self.sheets[v as usize]), weights)
         };
@@ -290,6 +303,21 @@ impl Patch {
             go_on,
         )?;
         Ok(guarded(&self.fitted, at, &delta, &look.normals))
+    }
+}
+
+impl Patch {
+    /// Every vertex that may move half the way to the middle of its neighbours.
+    pub(super) fn smoothed(&self, at: &[DVec3], active: &[bool]) -> Vec<DVec3> {
+        let smooth = |v: usize| {
+            if !self.free[v] || !active[self.part[v] as usize] {
+                return at[v];
+            }
+            let near = self.fitted.pattern.neighbours(v);
+            let mean = near.iter().map(|&w| at[w as usize]).sum::<DVec3>() / near.len() as f64;
+            (at[v] + mean) * 0.5
+        };
+        (0..at.len()).map(smooth).collect()
     }
 }
 

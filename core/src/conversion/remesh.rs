@@ -11,9 +11,9 @@ use super::lattice::Lattice;
 use super::lay_out::{Input, NoLattice, lay_out};
 use super::mend::Mending;
 use super::parameterise::Parameterisation;
-use super::pulls::Target;
 use super::simplify::{Cancelled, simplify};
 use super::size::{Size, affordable};
+use super::target::Target;
 use super::walk::Ground;
 use super::working_mesh::WorkingMesh;
 use crate::hierarchy::{Hierarchy, Level, NotABaseMesh};
@@ -124,10 +124,11 @@ pub fn remesh(
     let mut best: Option<Remeshed> = None;
     let mut next = Some(Size::first(input.faces.len(), options));
     let mut gently = false;
+    let mut target = None;
     while let Some(size) = next {
         let fewer_levels = best.is_none() && options.levels.is_none();
         let how = How { fewer_levels, gently, sharp_angle: options.sharp_angle };
-        let made = match attempt(&prepared, size, how, progress) {
+        let made = match attempt(&prepared, &mut target, size, how, progress) {
             // What was made before stands.
             Err(RemeshError::TooFine { .. }) if best.is_some() => break,
             made => made?,
@@ -220,24 +221,30 @@ struct How {
     sharp_angle: Option<f64>,
 }
 
-/// The conversion but for cleaning and measuring.
-fn attempt(
-    prepared: &Prepared,
-    Size { base_faces: target, levels }: Size,
+/// The conversion but for cleaning and measuring. The first attempt leaves the target to the next ones.
+fn attempt<'m>(
+    prepared: &'m Prepared,
+    target: &mut Option<Target<'m>>,
+    Size { base_faces: aim, levels }: Size,
     How { fewer_levels, gently, sharp_angle }: How,
     progress: &dyn Fn(Phase, f32) -> bool,
 ) -> Result<Made, RemeshError> {
     let check = |phase| if progress(phase, 0.0) { Ok(()) } else { Err(RemeshError::Cancelled) };
     let Prepared { target: input, ground: mesh, connectivity } = prepared;
     check(Phase::Simplify)?;
-    let most_corners = target / FACES_PER_CORNER;
+    let most_corners = aim / FACES_PER_CORNER;
     let creases = Creases::find(mesh, connectivity, sharp_angle, most_corners);
     let mut working = working_mesh(mesh, connectivity).with_creases(creases.clone());
     let mut map = Parameterisation::new(mesh.faces.len() as u32);
     open_ears(&mut working, &mut map);
-    let wanted = target as f64 * f64::from(4u32.pow(levels.into()));
+    let wanted = aim as f64 * f64::from(4u32.pow(levels.into()));
     let mut density = Density::new(mesh, connectivity, wanted, &creases);
-    simplify(&mut working, Some(&mut map), target, &density, &|done| progress(Phase::Simplify, done))?;
+    rayon::in_place_scope(|scope| {
+        if target.is_none() {
+            scope.spawn(|_| *target = Target::new(input));
+        }
+        simplify(&mut working, Some(&mut map), aim, &density, &|done| progress(Phase::Simplify, done))
+    })?;
     open_ears(&mut working, &mut map);
     flip_edges(&mut working, &mut map);
 
@@ -260,13 +267,13 @@ fn attempt(
     let held = Held::new(&lattice, &domain, &places.at, mesh, &creases);
     let Lattice { hierarchy, mut fitted, .. } = lattice;
     fitted.held = held;
-    let near = Target::new(input, fitted.pattern.faces().len()).ok_or(RemeshError::Empty)?;
     check(Phase::Fit)?;
-    let positions =
-        fit(&near, &fitted, places.at.clone(), &FIT, &|done| progress(Phase::Fit, FITTED * done))?;
+    let near = target.take().ok_or(RemeshError::Empty)?.sampled(fitted.pattern.faces().len());
+    let near = target.insert(near);
+    let fit = fit(near, &fitted, places.at.clone(), &FIT, &|done| progress(Phase::Fit, FITTED * done))?;
     let sheets: Vec<DVec3> = places.points.iter().map(|point| ground.normal(point.face)).collect();
-    let mending = Mending { target: &near, fitted: &fitted, sheets: &sheets, places: &places.at };
-    let positions = mending.run(positions, &|done| progress(Phase::Fit, FITTED + (1.0 - FITTED) * done))?;
+    let mending = Mending { target: near, fitted: &fitted, sheets: &sheets, places: &places.at };
+    let positions = mending.run(fit, &|done| progress(Phase::Fit, FITTED + (1.0 - FITTED) * done))?;
     Ok(Made { hierarchy, positions, faces: fitted.pattern.faces().to_vec() })
 }
 

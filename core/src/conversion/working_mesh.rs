@@ -172,11 +172,34 @@ impl WorkingMesh {
     /// The vertices joined to `vertex` by an edge, each once, ascending.
     pub(super) fn neighbours(&self, vertex: u32, into: &mut Vec<u32>) {
         into.clear();
+        // Round an interior vertex each neighbour follows it in one face.
+        let open = self.is_boundary(vertex);
         for &f in self.star(vertex) {
-            into.extend(self.face(f).into_iter().filter(|&w| w != vertex));
+            let face = self.face(f);
+            let k = if face[0] == vertex {
+                0
+            } else if face[1] == vertex {
+                1
+            } else {
+                2
+            };
+            into.push(face[(k + 1) % 3]);
+            if open {
+                into.push(face[(k + 2) % 3]);
+            }
         }
         into.sort_unstable();
-        into.dedup();
+        if open {
+            into.dedup();
+        }
+    }
+
+    /// How pointed the surface is at a vertex with these neighbours: the length of the mean direction to them, 0 in a
+    /// plane, near 1 at the tip of a horn.
+    pub(super) fn pointedness(&self, vertex: u32, neighbours: &[u32]) -> f64 {
+        let here = self.positions[vertex as usize];
+        let ways = neighbours.iter().map(|&w| (self.positions[w as usize] - here).normalize_or_zero());
+        ways.sum::<DVec3>().length() / neighbours.len().max(1) as f64
     }
 
     /// The live faces at an edge: the one that runs from `a` to `b`, and the one that runs back.

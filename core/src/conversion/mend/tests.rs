@@ -1,5 +1,7 @@
 use super::*;
 use crate::conversion::fit::turned_faces;
+use crate::conversion::pulls::Look;
+use crate::conversion::watch::Watch;
 use crate::mesh::shapes::{octahedron, subdivide};
 use crate::mesh::{BoundingVolumes, TriangleMesh};
 
@@ -15,7 +17,7 @@ fn ellipsoid(times: u32, height: f64) -> TriangleMesh {
 /// Mends a coarse ellipsoid some of whose vertices were moved; returns the places and the result.
 fn mended(height: f64, moved: impl Fn(DVec3) -> DVec3) -> (Vec<DVec3>, Vec<DVec3>, usize) {
     let (input, coarse) = (ellipsoid(5, height), ellipsoid(4, height));
-    let target = Target::new(&input, coarse.faces.len()).expect("faces");
+    let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
     let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
     let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
     let tree = BoundingVolumes::build(&input).expect("faces");
@@ -26,7 +28,13 @@ fn mended(height: f64, moved: impl Fn(DVec3) -> DVec3) -> (Vec<DVec3>, Vec<DVec3
     let sheets: Vec<DVec3> = coarse.positions.iter().map(|&p| normal(tree.closest(p).face)).collect();
     let mending = Mending { target: &target, fitted: &fitted, sheets: &sheets, places: &places };
     let start: Vec<DVec3> = places.iter().map(|&p| moved(p)).collect();
-    let Ok(result) = mending.run(start, &|_| true) else { panic!("nobody asked to stop") };
+    let go_on = || true;
+    let Ok(pulls) = Watch::new(&target, &fitted).look(&start, Look::Close, &go_on) else {
+        panic!("nobody asked to stop")
+    };
+    let Ok(result) = mending.run(Iterate { positions: start, pulls }, &|_| true) else {
+        panic!("nobody asked to stop")
+    };
     let outward: Vec<DVec3> = coarse
         .faces
         .iter()

@@ -36,6 +36,29 @@ fn turned(input: &TriangleMesh, result: &TriangleMesh) -> usize {
         .count()
 }
 
+/// A ball with two thin horns, bent cones fifteen times as long as they are wide.
+fn horned() -> TriangleMesh {
+    let mut mesh = shapes::subdivide(&shapes::octahedron(), 6);
+    for p in &mut mesh.positions {
+        let at = DVec3::from(*p).normalize();
+        let horn = (1.0 - at.truncate().length() / 0.15).max(0.0);
+        let way = DVec3::new(horn, 0.0, at.z.signum()) * (2.0 * horn);
+        *p = (at + way).to_array();
+    }
+    mesh
+}
+
+#[test]
+fn thin_horns_are_kept_to_their_tips() {
+    let input = horned();
+    let result = remesh(&input, &options(60, 3), &|_, _| true).expect("a conversion");
+    let tips = [1.0, -1.0].map(|side| {
+        let tip = DVec3::new(2.0, 0.0, 3.0 * side);
+        result.positions.iter().map(|&p| tip.distance(p.into())).fold(f64::INFINITY, f64::min)
+    });
+    assert!(tips.iter().all(|off| *off < 0.15), "the tips are {tips:?} off");
+}
+
 #[test]
 fn topology_is_kept_and_the_surfaces_are_close() {
     for (name, mesh, base_faces) in [
