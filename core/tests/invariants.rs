@@ -143,7 +143,7 @@ fn run(mesh: &TriangleMesh, name: &str, wavelet: Wavelet, sharp: usize, draws: &
         let before = surface.clone();
         let planned = plan(&surface, &edit).unwrap_or_else(|e| panic!("{name}: {edit:?}: {e}"));
         let (step, changes) =
-            Step::apply(&mut surface, edit, planned).expect("moves of half a unit stay in range");
+            Step::apply(&mut surface, edit.clone(), planned).expect("moves of half a unit stay in range");
         record.edit(&mut surface, step);
         let what = format!("{name}, {wavelet}, {sharp} sharp, {edit:?}");
         assert_report(&before, &surface, &changes.moved, &what);
@@ -221,7 +221,7 @@ fn deep_edits_are_local_and_exact() {
                     v: 1,
                 });
                 let planned = plan(&surface, &edit).expect("a valid edit");
-                let (mut step, _) = Step::apply(&mut surface, edit, planned).expect("in range");
+                let (mut step, _) = Step::apply(&mut surface, edit.clone(), planned).expect("in range");
                 assert_consistent(&surface, &format!("{name}, {wavelet}, {edit:?}"));
                 undo::Edit::undo(&mut step, &mut surface);
                 assert!(contents(&surface) == start, "{name}, {wavelet}, {edit:?}: undo");

@@ -70,14 +70,14 @@ fn what_is_refused_changes_nothing() {
     };
     let before = state(&session);
     for edit in edits {
-        let error = session.edit(edit).expect_err("to be refused");
+        let error = session.edit(edit.clone()).expect_err("to be refused");
         assert!(matches!(error, SessionError::Edit(_)) && error.to_string().len() > 20, "{edit:?}: {error}");
         assert!(state(&session) == before, "{edit:?}");
         // A stroke is refused for the same reasons at its beginning, but for its delta.
-        if let Edit::Move(stroke) = edit
+        if let Edit::Move(stroke) = &edit
             && stroke.delta == plain.delta
         {
-            let error = session.begin_stroke(stroke).expect_err("to be refused");
+            let error = session.begin_stroke(*stroke).expect_err("to be refused");
             assert!(matches!(error, SessionError::Edit(_)) && !session.in_stroke(), "{edit:?}: {error}");
             assert!(state(&session) == before, "{edit:?}");
         }
@@ -113,7 +113,7 @@ fn the_limit_holds_against_repetition() {
                 let delta = std::array::from_fn(|_| 6.0 * numbers.signed());
                 Edit::Move(Move { delta, ..draw_move(&mut numbers, session.surface()) })
             };
-            match session.edit(edit) {
+            match session.edit(edit.clone()) {
                 Ok(_) => {
                     made += 1;
                     let within = |v: &Vector| v.iter().all(|x| (-LIMIT..=LIMIT).contains(x));

@@ -160,7 +160,7 @@ fn a_stroke_is_the_edit_with_its_last_delta() {
                 assert!(contents(dragged.surface()) == contents(edited.surface()), "{name}, {stroke:?}");
                 assert_eq!(dragged.hash(), edited.hash(), "{name}, {stroke:?}");
                 // What the log says of the stroke makes the same edit.
-                let Some(Edit::Move(logged)) = dragged.history().last().copied() else { panic!("{name}") };
+                let Some(Edit::Move(logged)) = dragged.history().last().cloned() else { panic!("{name}") };
                 assert_eq!(Move { delta: stroke.delta, ..logged }, stroke, "{name}");
                 edited.undo().expect("an edit");
                 edited.edit(Edit::Move(logged)).expect("a modest edit");
@@ -284,7 +284,7 @@ fn what_counts_as_unsaved() {
     let (disk, mut session) = octahedron();
     let edit = Edit::Gain(Gain { level: 0, factor: 0.5, v: 1 });
     assert!(!session.is_unsaved(), "just opened");
-    session.edit(edit).expect("a modest edit");
+    session.edit(edit.clone()).expect("a modest edit");
     assert!(session.is_unsaved(), "edited");
     session.save().expect("a sound disk");
     assert!(!session.is_unsaved(), "saved");

@@ -6,7 +6,6 @@ mod heat;
 mod normals;
 mod overlay;
 mod pick_tree;
-mod subtriangle;
 mod vertices;
 
 pub use frame::Frame;

@@ -4,9 +4,8 @@
 //! for all levels down to two above the shown one and refitted along the paths of moved vertices only.
 
 use super::ShownVertices;
-use super::subtriangle::Subtriangle;
 use crate::render::Ray;
-use bozzetto_core::hierarchy::{Hierarchy, Layout, Level, Odd, Site, Slot};
+use bozzetto_core::hierarchy::{Address, Hierarchy, Layout, Level, Odd, Site, Slot, Subtriangle};
 use bozzetto_core::surface::{Moved, Surface};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -79,7 +78,7 @@ impl PickTree {
         let n = leaf.segments();
         let per_face = (n * n) as usize;
         boxes[leaf.index()].par_chunks_mut(per_face).enumerate().for_each(|(face, chunk)| {
-            for triangle in all_in_face(face as u32, n) {
+            for triangle in Subtriangle::all_in_face(face as u32, n) {
                 chunk[triangle.index(n) - face * per_face] =
                     leaf_box(layout, vertices, triangle, shown.0 - leaf.0);
             }
@@ -88,7 +87,7 @@ impl PickTree {
         for level in (0..leaf.0).rev().map(Level) {
             let n = level.segments();
             for face in 0..faces {
-                for triangle in all_in_face(face, n) {
+                for triangle in Subtriangle::all_in_face(face, n) {
                     tree.refit_inner(level, triangle);
                 }
             }
@@ -110,7 +109,7 @@ impl PickTree {
         let leaf = Level(self.boxes.len() as u8 - 1);
         let mut touched: FxHashSet<Subtriangle> = FxHashSet::default();
         for slot in runs.slots() {
-            for triangle in incident(layout, layout.site(slot)) {
+            for triangle in Subtriangle::incident(layout, layout.site(slot)) {
                 touched.insert((leaf.0..self.shown.0).fold(triangle, |t, _| t.parent()));
             }
         }
@@ -185,14 +184,9 @@ impl Hit {
 
     /// The corners of the triangle of a level that holds the hit, nearest first, with their weights.
     fn corners(&self, level: Level) -> ([[u32; 2]; 3], [f64; 3]) {
-        let n = level.segments();
-        let (x, y) = (self.barycentric.y * f64::from(n), self.barycentric.z * f64::from(n));
-        let r = (y.max(0.0) as u32).min(n - 1);
-        let i = (x.max(0.0) as u32).min(n - 1 - r);
-        let (u, v) = (x - f64::from(i), y - f64::from(r));
-        let down = u + v > 1.0 && i + r + 1 < n;
-        let weights = if down { [1.0 - v, u + v - 1.0, 1.0 - u] } else { [1.0 - u - v, u, v] };
-        let places = Subtriangle { face: self.face, i, r, down }.corners();
+        let address = Address { face: self.face, at: [self.barycentric.y, self.barycentric.z] };
+        let (triangle, weights) = address.triangle(level);
+        let places = triangle.corners();
         let mut order = [0, 1, 2];
         order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
         (order.map(|k| places[k]), order.map(|k| weights[k]))
@@ -201,16 +195,6 @@ impl Hit {
 
 fn site(layout: &Layout, face: u32, [i, r]: [u32; 2]) -> Site {
     layout.site_at(face, [layout.segments() - i - r, i, r])
-}
-
-fn all_in_face(face: u32, n: u32) -> impl Iterator<Item = Subtriangle> {
-    (0..n).flat_map(move |r| {
-        (0..n - r).flat_map(move |i| {
-            let up = Subtriangle { face, i, r, down: false };
-            let down = (i + r + 1 < n).then_some(Subtriangle { down: true, ..up });
-            std::iter::once(up).chain(down)
-        })
-    })
 }
 
 /// The box of a triangle that lies `depth` levels above the shown ones.
@@ -229,22 +213,6 @@ fn leaf_box(layout: &Layout, vertices: &ShownVertices, triangle: Subtriangle, de
         }
     }
     bounds
-}
-
-/// The shown triangles that meet at a vertex.
-fn incident(layout: &Layout, site: Site) -> Vec<Subtriangle> {
-    let n = layout.segments();
-    let base = layout.base();
-    let faces: Vec<u32> = match site {
-        Site::Face { face, .. } => vec![face],
-        Site::Edge { edge, .. } => base.sides(edge).into_iter().flatten().map(|side| side.face).collect(),
-        Site::Base(v) => base.fan(v).corners.iter().map(|&(face, _)| face).collect(),
-    };
-    let in_face = |face| {
-        let [_, i, r] = layout.in_face(face, site).expect("the face contains the vertex");
-        Subtriangle::around(face, i, r, n)
-    };
-    faces.into_iter().flat_map(in_face).collect()
 }
 
 /// Where a ray meets a shown triangle (Möller, Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997).

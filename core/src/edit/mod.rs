@@ -4,12 +4,27 @@
 //! `+ − × ÷ sqrt` alone, and rounded to integers once.
 
 mod apply;
+mod brush_stroke;
+mod brushes;
+mod deltas;
+mod details;
+mod follow;
 mod line;
 mod plan;
+mod pull;
+mod reach;
 mod region;
+mod spread;
+mod stroke;
 mod vocabulary;
 
-pub use apply::Step;
+pub use apply::{Step, trial_of};
+pub use brush_stroke::BrushStroke;
+pub use deltas::{Deltas, Kept, MaskChange, Packed};
+pub use follow::{Follow, Turned};
 pub use line::{Entry, LONGEST_LINE, Line, LineError};
 pub use plan::{EditError, Plan, Region, plan};
+pub use pull::{Pull, Pulled, Spread};
+pub use reach::true_reach;
+pub use stroke::{Dab, MOST_DABS, Mirror, Stroke, Tool};
 pub use vocabulary::{Edit, Falloff, Gain, Kind, Move};

@@ -1,6 +1,9 @@
 //! Planning: from an edit in model units to integers, with every reason to refuse found before anything changes.
 
+use super::brush_stroke::BrushStroke;
+use super::pull::{Pull, Pulled};
 use super::region::{neighbourhood_of_odd, neighbourhood_of_slot};
+use super::stroke::Dab;
 use super::vocabulary::{Edit, Gain, Kind, Move};
 use crate::hierarchy::{Level, Odd, PublicId, Slot};
 use crate::surface::{LIMIT, Surface, Vector};
@@ -51,6 +54,15 @@ pub enum EditError {
     /// A gain is not a number.
     #[error("a gain factor must be a finite number")]
     Factor,
+    /// A stroke with a number that means nothing.
+    #[error("a stroke needs a positive radius, finite numbers and at most 4096 dabs")]
+    Stroke,
+    /// A pull of nothing, or of two things.
+    #[error("a pull needs either the \"vertex\" it holds or the place \"at\" which it holds the surface")]
+    Hold,
+    /// Copying without a place to copy from.
+    #[error("copying detail needs the place it comes \"from\"")]
+    NoSource,
     /// The result would leave the range of coordinates.
     #[error("the edit would take the surface beyond the range of its coordinates, ±2^27 steps")]
     BeyondLimit,
@@ -63,7 +75,7 @@ pub enum EditError {
 }
 
 /// An edit in integers.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum Plan {
     /// Additions to `c^j`.
     Scaling(Level, Vec<(Slot, Vector)>),
@@ -71,6 +83,10 @@ pub enum Plan {
     Wavelets(Level, Vec<(Odd, Vector)>),
     /// All of `d^j` anew.
     Details(Level, Vec<Vector>),
+    /// Additions to `c^j`, after which the detail of a level and finer ones turns with the surface.
+    Follow(Level, Pulled, Vector),
+    /// Dab after dab, each planned from what those before have left.
+    Stroke(Box<BrushStroke>, Vec<Dab>),
 }
 
 /// Turns an edit into integers. Reads the surface, changes nothing. Cost: the neighbourhood, or for a gain the level.
@@ -84,6 +100,10 @@ pub fn plan(surface: &Surface, edit: &Edit) -> Result<Plan, EditError> {
     match edit {
         Edit::Move(edit) => plan_move(surface, edit),
         Edit::Gain(edit) => plan_gain(surface, edit),
+        Edit::Pull(edit) => plan_pull(surface, edit),
+        Edit::Stroke(stroke) => {
+            Ok(Plan::Stroke(Box::new(BrushStroke::begin(surface, stroke.clone())?), stroke.dabs.clone()))
+        }
     }
 }
 
@@ -100,6 +120,8 @@ pub enum Region {
     Scaling(Level, Vec<(Slot, f64)>),
     /// Wavelet coefficients of a level.
     Wavelets(Level, Vec<(Odd, f64)>),
+    /// Scaling coefficients, with a share of each component.
+    Pulled(Pulled),
 }
 
 impl Region {
@@ -155,8 +177,19 @@ impl Region {
         match self {
             Region::Scaling(level, region) => Plan::Scaling(*level, scaled(region, delta)),
             Region::Wavelets(level, region) => Plan::Wavelets(*level, scaled(region, delta)),
+            Region::Pulled(pulled) => Plan::Scaling(pulled.level, pulled.moved_by(delta)),
         }
     }
+}
+
+fn plan_pull(surface: &Surface, edit: &Pull) -> Result<Plan, EditError> {
+    let pulled = Pulled::of(surface, edit)?;
+    let delta = surface.form().placement.vector_to_steps(edit.delta).ok_or(EditError::Delta)?;
+    Ok(if edit.follow {
+        Plan::Follow(Level(edit.level), pulled, delta)
+    } else {
+        Plan::Scaling(pulled.level, pulled.moved_by(delta))
+    })
 }
 
 fn plan_gain(surface: &Surface, edit: &Gain) -> Result<Plan, EditError> {
@@ -173,7 +206,7 @@ fn plan_gain(surface: &Surface, edit: &Gain) -> Result<Plan, EditError> {
     Ok(Plan::Details(level, details.ok_or(EditError::BeyondLimit)?))
 }
 
-fn existing_level(surface: &Surface, kind: Kind, level: u8) -> Result<Level, EditError> {
+pub(super) fn existing_level(surface: &Surface, kind: Kind, level: u8) -> Result<Level, EditError> {
     let finest = surface.finest().0;
     let last = match (kind, finest) {
         (Kind::Scaling, _) => finest,

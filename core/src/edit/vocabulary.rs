@@ -3,6 +3,8 @@
 //! An edit carries its operation's version (`"v"`, 1 by default). A version once landed is never changed, only
 //! joined by a new one, so old logs replay to the same bits for ever.
 
+use super::pull::Pull;
+use super::stroke::Stroke;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -93,13 +95,17 @@ pub struct Gain {
 }
 
 /// One edit: one line of a log, one undo step.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "edit", rename_all = "lowercase")]
 pub enum Edit {
     /// See [`Move`].
     Move(Move),
     /// See [`Gain`].
     Gain(Gain),
+    /// See [`Pull`].
+    Pull(Pull),
+    /// See [`Stroke`].
+    Stroke(Stroke),
 }
 
 impl Edit {
@@ -108,6 +114,8 @@ impl Edit {
         match self {
             Edit::Move(edit) => edit.v,
             Edit::Gain(edit) => edit.v,
+            Edit::Pull(edit) => edit.v,
+            Edit::Stroke(edit) => edit.v,
         }
     }
 }
@@ -120,14 +128,16 @@ impl fmt::Display for Edit {
                 if edit.radius.is_some() { f.write_str(" and around") } else { Ok(()) }
             }
             Edit::Gain(edit) => write!(f, "Gain level {} × {}", edit.level, edit.factor),
+            Edit::Pull(edit) => edit.fmt(f),
+            Edit::Stroke(edit) => edit.fmt(f),
         }
     }
 }
 
-fn first() -> u32 {
+pub(super) fn first() -> u32 {
     1
 }
 
-fn is_first(version: &u32) -> bool {
+pub(super) fn is_first(version: &u32) -> bool {
     *version == 1
 }

@@ -3,15 +3,19 @@
 //! Fine connectivity is never stored. Each base face owns a triangular grid; neighbours are index arithmetic, and
 //! vertices on base edges and base vertices exist once.
 
+mod address;
 mod base_mesh;
 pub mod detection;
 mod ids;
 mod layout;
 mod neighbourhood;
+mod subtriangle;
 mod tables;
 
+pub use address::Address;
 pub use base_mesh::{BaseMesh, EdgeSide, Fan, NotABaseMesh};
 pub use ids::{Level, Odd, PublicId, Slot};
 pub use layout::{FINEST_LEVEL, Layout, Site};
 pub use neighbourhood::{DIRECTIONS, Ring};
+pub use subtriangle::Subtriangle;
 pub use tables::{Hierarchy, row_slots};

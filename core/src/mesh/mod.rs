@@ -14,4 +14,5 @@ pub use connectivity::{Connectivity, NotManifold};
 pub use deviation::distances_to;
 pub use distance::{CompareError, CompareOptions, Comparison, OneWay, compare};
 pub(crate) use sampling::AreaSampler;
+pub(crate) use triangle_distance::closest_on_triangle;
 pub use triangle_mesh::{Bounds, FaceIndex, TriangleMesh};

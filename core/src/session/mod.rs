@@ -5,6 +5,7 @@
 //! nothing; a replay of the log gives the same bits. Not guaranteed: that a failing disk is noticed before
 //! [`Session::journal_failure`] is asked.
 
+mod brush;
 mod open;
 mod replay;
 mod stroke;
@@ -13,7 +14,7 @@ pub use open::{LogUse, OpenOptions, Opened, open_model};
 pub use replay::{ReplayError, ReplayReason, effective};
 
 use crate::disk::Vfs;
-use crate::edit::{Edit, EditError, Entry};
+use crate::edit::{BrushStroke, Edit, EditError, Entry};
 use crate::file::{
     FileError, Journal, Metadata, Model, NumberedLine, decode, encode, lock, log_path, write_log,
 };
@@ -73,6 +74,7 @@ pub struct Session {
     edits: u64,
     journal: Option<Journal>,
     stroke: Option<Stroke>,
+    brush: Option<BrushStroke>,
 }
 
 /// A file system, shared; only there so that sessions can be debugged.
@@ -102,6 +104,7 @@ impl Session {
             edits: 0,
             journal: None,
             stroke: None,
+            brush: None,
         }
     }
 
@@ -141,7 +144,7 @@ impl Session {
     /// The edit is refused; nothing has changed.
     pub fn edit(&mut self, edit: Edit) -> Result<Changes, SessionError> {
         self.end_stroke();
-        let changes = replay::perform(&mut self.model.surface, &mut self.record, edit)?;
+        let changes = replay::perform(&mut self.model.surface, &mut self.record, edit.clone())?;
         self.committed_edit(edit);
         Ok(changes)
     }
@@ -193,10 +196,10 @@ impl Session {
                 return Err(stop(ReplayReason::Cancelled));
             }
             replay::replay_entry(&mut self.model.surface, &mut self.record, &line.entry).map_err(stop)?;
-            match line.entry {
+            match &line.entry {
                 Entry::Edit(edit) => {
                     edits += 1;
-                    self.committed_edit(edit);
+                    self.committed_edit(edit.clone());
                 }
                 Entry::Undo(_) | Entry::Redo(_) => self.commit(line.entry.clone(), None),
                 Entry::Save | Entry::Discard | Entry::Binding { .. } => {}

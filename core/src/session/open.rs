@@ -207,6 +207,7 @@ impl Session {
             edits,
             journal: None,
             stroke: None,
+            brush: None,
         })
     }
 }

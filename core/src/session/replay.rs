@@ -94,7 +94,7 @@ pub(super) fn replay_entry(
         None => joined = Some(changes),
     };
     match entry {
-        Entry::Edit(edit) => join(perform(surface, record, *edit)?),
+        Entry::Edit(edit) => join(perform(surface, record, edit.clone())?),
         Entry::Undo(wanted) => {
             if record.head() < *wanted as usize {
                 return Err(ReplayReason::NothingToUndo { wanted: *wanted, there: record.head() });

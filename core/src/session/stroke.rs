@@ -1,42 +1,115 @@
 //! A drag under way: the surface follows the hand live, one line is logged at the end, and Esc restores every bit.
 
 use super::{Session, SessionError};
-use crate::edit::{Edit, EditError, Kind, Move, Plan, Region, Step};
+use crate::edit::{Edit, EditError, Follow, Kind, Move, Plan, Pull, Pulled, Region, Step, Turned, trial_of};
 use crate::hierarchy::Level;
 use crate::surface::{Changes, Surface, Vector};
 
+/// What is dragged.
+#[derive(Debug, Clone, Copy)]
+enum Dragged {
+    Move(Move),
+    Pull(Pull),
+}
+
+impl Dragged {
+    fn edit(self, delta: [f64; 3]) -> Edit {
+        match self {
+            Dragged::Move(edit) => Edit::Move(Move { delta, ..edit }),
+            Dragged::Pull(edit) => Edit::Pull(Pull { delta, ..edit }),
+        }
+    }
+}
+
 /// A stroke between its beginning and its end. Its edit is additive, so following the hand means adding the
-/// difference between the new integers and those already in the surface.
+/// difference between the new integers and those already in the surface. Detail that follows is turned back first, and
+/// anew after.
 #[derive(Debug, Clone)]
 pub(super) struct Stroke {
-    edit: Move,
+    dragged: Dragged,
     region: Region,
+    follow: Option<Follow>,
     applied: Plan,
+    turned: Turned,
     delta: Vector,
     /// The finest level that follows the hand; finer ones wait for the end.
     reach: Level,
+    /// The coarsest level of the vertices that it moves.
+    home: Level,
 }
 
 impl Stroke {
-    fn begin(surface: &Surface, edit: Move) -> Result<Self, EditError> {
-        if edit.v != 1 {
-            return Err(EditError::UnknownVersion { version: edit.v });
-        }
-        let region = Region::of(surface, &edit)?;
-        Ok(Self { edit, applied: region.moved_by([0; 3]), region, delta: [0; 3], reach: surface.finest() })
+    fn begin(surface: &mut Surface, dragged: Dragged) -> Result<Self, EditError> {
+        let (region, follow, home) = match dragged {
+            Dragged::Move(edit) => {
+                if edit.v != 1 {
+                    return Err(EditError::UnknownVersion { version: edit.v });
+                }
+                let home = match edit.kind {
+                    Kind::Scaling => Level(edit.level),
+                    Kind::Wavelet => Level(edit.level).finer(),
+                };
+                (Region::of(surface, &edit)?, None, home)
+            }
+            Dragged::Pull(edit) => {
+                let pulled = Pulled::of(surface, &edit)?;
+                let trial = edit.follow.then(|| trial_of(surface, &pulled));
+                let follow = trial.map(|trial| Follow::new(surface, Level(edit.level), &trial));
+                let home = pulled.level;
+                (Region::Pulled(pulled), follow, home)
+            }
+        };
+        let applied = region.moved_by([0; 3]);
+        let reach = surface.finest();
+        Ok(Self { dragged, region, follow, applied, turned: Vec::new(), delta: [0; 3], reach, home })
     }
 
     /// Moves the surface from where the stroke has it to `delta`; unchanged if that is refused.
     fn follow(&mut self, surface: &mut Surface, delta: Vector) -> Result<Changes, EditError> {
-        let wanted = self.region.moved_by(delta);
-        let mut changes = add(surface, &difference(&wanted, &self.applied), self.reach);
-        if changes.beyond_limit {
+        let mut changes = self.turn_back(surface);
+        let (wanted, before) = (self.region.moved_by(delta), self.delta);
+        changes.join(add(surface, &difference(&wanted, &self.applied), self.reach));
+        let mut beyond = changes.beyond_limit;
+        if !beyond {
+            self.applied = wanted;
+            self.delta = delta;
+            let turned = self.turn(surface);
+            beyond = turned.beyond_limit;
+            changes.join(turned);
+        } else {
             changes.join(add(surface, &difference(&self.applied, &wanted), self.reach));
-            return Err(EditError::BeyondLimit);
         }
-        self.applied = wanted;
-        self.delta = delta;
-        Ok(changes)
+        if !beyond {
+            return Ok(changes);
+        }
+        // Back to where the stroke was, which was in range.
+        self.turn_back(surface);
+        let home = self.region.moved_by(before);
+        add(surface, &difference(&home, &self.applied), self.reach);
+        self.applied = home;
+        self.delta = before;
+        self.turn(surface);
+        Err(EditError::BeyondLimit)
+    }
+
+    fn turn(&mut self, surface: &mut Surface) -> Changes {
+        let Some(follow) = &self.follow else { return Changes::nothing(surface) };
+        if self.delta == [0; 3] {
+            return Changes::nothing(surface);
+        }
+        let (turned, changes) = follow.turn(surface, self.reach);
+        self.turned = turned;
+        changes
+    }
+
+    fn turn_back(&mut self, surface: &mut Surface) -> Changes {
+        let mut changes = Changes::nothing(surface);
+        for (level, deltas) in std::mem::take(&mut self.turned).into_iter().rev() {
+            let back: Vec<_> = deltas.into_iter().map(|(odd, v)| (odd, v.map(i32::wrapping_neg))).collect();
+            changes.join(surface.add_wavelets_up_to(level, &back, self.reach));
+        }
+        changes.beyond_limit = false;
+        changes
     }
 
     /// Takes the stroke back and makes it again up to another level.
@@ -57,7 +130,7 @@ fn add(surface: &mut Surface, plan: &Plan, reach: Level) -> Changes {
     match plan {
         Plan::Scaling(level, deltas) => surface.add_scaling_up_to(*level, deltas, reach),
         Plan::Wavelets(level, deltas) => surface.add_wavelets_up_to(*level, deltas, reach),
-        Plan::Details(..) => unreachable!("a stroke is additive"),
+        _ => unreachable!("a stroke is additive"),
     }
 }
 
@@ -79,14 +152,31 @@ impl Session {
     /// # Errors
     /// Unknown level or vertex, or a radius that makes no sense.
     pub fn begin_stroke(&mut self, edit: Move) -> Result<(), SessionError> {
+        self.begin(Dragged::Move(edit))
+    }
+
+    /// Begins to pull: the edit without its delta. Ends a stroke that is under way. Returns how many mirror images of a
+    /// single raw coefficient have no vertex near enough.
+    ///
+    /// # Errors
+    /// Unknown level or vertex, or numbers that make no sense.
+    pub fn begin_pull(&mut self, edit: Pull) -> Result<usize, SessionError> {
+        self.begin(Dragged::Pull(edit))?;
+        Ok(match self.stroke.as_ref().map(|stroke| &stroke.region) {
+            Some(Region::Pulled(pulled)) => pulled.without_partner,
+            _ => 0,
+        })
+    }
+
+    fn begin(&mut self, dragged: Dragged) -> Result<(), SessionError> {
         self.end_stroke();
-        self.stroke = Some(Stroke::begin(&self.model.surface, edit)?);
+        self.stroke = Some(Stroke::begin(&mut self.model.surface, dragged)?);
         Ok(())
     }
 
     /// Whether a stroke is under way.
     pub fn in_stroke(&self) -> bool {
-        self.stroke.is_some()
+        self.stroke.is_some() || self.brush.is_some()
     }
 
     /// Moves the stroke to a delta in model units, measured from its beginning. Cost: the support.
@@ -108,15 +198,17 @@ impl Session {
         self.stroke.as_ref().map(|stroke| placement.vector_to_model(stroke.delta))
     }
 
+    /// The coarsest level whose vertices the stroke moves by itself.
+    pub fn stroke_home(&self) -> Option<Level> {
+        self.stroke.as_ref().map(|stroke| stroke.home)
+    }
+
     /// Lets only the levels up to `reach` follow the hand until the stroke ends, for surfaces too large to follow whole.
     /// Coarser than the edited coefficients is as coarse as they are. What the other levels show is then old.
     pub fn preview_stroke(&mut self, reach: Level) -> Changes {
         let surface = &mut self.model.surface;
         let Some(stroke) = &mut self.stroke else { return Changes::default() };
-        let home = match stroke.edit.kind {
-            Kind::Scaling => Level(stroke.edit.level),
-            Kind::Wavelet => Level(stroke.edit.level).finer(),
-        };
+        let home = stroke.home;
         stroke.set_reach(surface, reach.clamp(home, surface.finest()))
     }
 
@@ -124,6 +216,9 @@ impl Session {
     /// a level that had not followed would leave the range of coordinates, the stroke is taken back instead and the
     /// changes say `beyond_limit`.
     pub fn end_stroke(&mut self) -> Changes {
+        if let Some(brush) = self.brush.take() {
+            return self.end_brush(brush);
+        }
         let Some(mut stroke) = self.stroke.take() else { return Changes::default() };
         let finest = self.model.surface.finest();
         let changes = if stroke.reach == finest {
@@ -135,14 +230,18 @@ impl Session {
             return changes;
         }
         let delta = self.model.surface.form().placement.shortest_decimals(stroke.delta);
-        let edit = Edit::Move(Move { delta, ..stroke.edit });
-        self.record.edit(&mut self.model.surface, Step::applied(edit, stroke.applied));
+        let edit = stroke.dragged.edit(delta);
+        let step = Step::applied(edit.clone(), stroke.applied, stroke.turned);
+        self.record.edit(&mut self.model.surface, step);
         self.committed_edit(edit);
         changes
     }
 
     /// Takes the stroke back, bit for bit.
     pub fn cancel_stroke(&mut self) -> Changes {
+        if let Some(brush) = self.brush.take() {
+            return brush.cancel(&mut self.model.surface);
+        }
         match self.stroke.take() {
             Some(mut stroke) => stroke.follow(&mut self.model.surface, [0; 3]).unwrap_or_default(),
             None => Changes::default(),

@@ -1,5 +1,6 @@
 //! What an edit moved, level by level, so that whoever draws or stores can follow it and nothing more.
 
+use super::Surface;
 use crate::hierarchy::{Level, Slot};
 use std::ops::Range;
 
@@ -64,18 +65,43 @@ pub enum Moved {
     Everything,
 }
 
+impl Moved {
+    fn join(&mut self, later: Moved) {
+        *self = match (std::mem::take(self), later) {
+            (Moved::Nothing, other) | (other, Moved::Nothing) => other,
+            (Moved::Everything, _) | (_, Moved::Everything) => Moved::Everything,
+            (Moved::Some(Runs(mut a)), Moved::Some(Runs(b))) => {
+                a.extend(b);
+                Moved::Some(Runs::of_runs(a))
+            }
+        };
+    }
+}
+
 /// The positions an edit changed.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Changes {
     /// By level, 0 to J: the slots of `c^j` that changed.
     pub moved: Vec<Moved>,
+    /// Vertices of the finest level whose mask changed.
+    pub masked: Moved,
     /// Whether some coordinate or coefficient went beyond the limit; the surface then has to be put back.
     pub beyond_limit: bool,
 }
 
 impl Changes {
     pub(super) fn none(levels: usize) -> Self {
-        Self { moved: vec![Moved::Nothing; levels], beyond_limit: false }
+        Self { moved: vec![Moved::Nothing; levels], ..Self::default() }
+    }
+
+    /// Changes of a surface that moved nothing.
+    pub fn nothing(surface: &Surface) -> Self {
+        Self::none(surface.finest().index() + 1)
+    }
+
+    /// Changes of a surface of which every vertex may have moved.
+    pub fn all(surface: &Surface) -> Self {
+        Self { moved: vec![Moved::Everything; surface.finest().index() + 1], ..Self::default() }
     }
 
     /// What moved at a level.
@@ -93,19 +119,11 @@ impl Changes {
     /// Joins what a later edit changed to this.
     pub fn join(&mut self, later: Changes) {
         self.beyond_limit |= later.beyond_limit;
+        self.masked.join(later.masked);
         if self.moved.is_empty() {
             self.moved = later.moved;
             return;
         }
-        for (mine, theirs) in self.moved.iter_mut().zip(later.moved) {
-            *mine = match (std::mem::take(mine), theirs) {
-                (Moved::Nothing, other) | (other, Moved::Nothing) => other,
-                (Moved::Everything, _) | (_, Moved::Everything) => Moved::Everything,
-                (Moved::Some(Runs(mut a)), Moved::Some(Runs(b))) => {
-                    a.extend(b);
-                    Moved::Some(Runs::of_runs(a))
-                }
-            };
-        }
+        self.moved.iter_mut().zip(later.moved).for_each(|(mine, theirs)| mine.join(theirs));
     }
 }

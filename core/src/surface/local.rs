@@ -10,7 +10,7 @@ use crate::wavelet::lifting::{minus, plus, predicted, rounded};
 use crate::wavelet::rows::{Patch, refine, synthesise_level};
 
 /// A change of position: what was added to `c^j` at a slot.
-type Step = (Slot, Vector);
+pub(super) type Step = (Slot, Vector);
 
 impl Surface {
     /// Adds to scaling coefficients of level j: `c^j`, everything finer in their support, and every coarser
@@ -48,6 +48,7 @@ impl Surface {
         }
         changes.record(level, runs_of(&steps));
         self.climb(reach, level, &steps, &mut changes);
+        self.follow_bounds(&changes);
         changes
     }
 
@@ -76,6 +77,7 @@ impl Surface {
             changes.record(level.finer(), runs_of(&steps));
             self.climb(reach, level.finer(), &steps, &mut changes);
         }
+        self.follow_bounds(&changes);
         changes
     }
 
@@ -96,11 +98,12 @@ impl Surface {
         let mut changes = Changes::none(self.scaling.len());
         changes.moved[level.index() + 1..].fill(Moved::Everything);
         changes.beyond_limit = !self.is_within_limit();
+        self.follow_bounds(&changes);
         (old, changes)
     }
 
     /// One level of local analysis: from the vertices of `M^{j+1}` that moved to those of `M^j` that did.
-    fn descend(&mut self, level: Level, moved: &[Site], changes: &mut Changes) -> Vec<Site> {
+    pub(super) fn descend(&mut self, level: Level, moved: &[Site], changes: &mut Changes) -> Vec<Site> {
         let hierarchy = self.hierarchy.clone();
         let (coarse, fine) = (hierarchy.layout(level), hierarchy.layout(level.finer()));
         let mut marks = std::mem::take(&mut self.marks);
@@ -151,7 +154,7 @@ impl Surface {
     }
 
     /// Local synthesis of the levels up to `reach` from the changes of `c^j`.
-    fn climb(&mut self, reach: Level, level: Level, steps: &[Step], changes: &mut Changes) {
+    pub(super) fn climb(&mut self, reach: Level, level: Level, steps: &[Step], changes: &mut Changes) {
         let mut patches = Patch::of(self.hierarchy.layout(level), steps);
         for j in level.0 + 1..=reach.0 {
             let fine = self.hierarchy.layout(Level(j));
@@ -234,7 +237,7 @@ impl Surface {
     }
 }
 
-fn runs_of(steps: &[Step]) -> Runs {
+pub(super) fn runs_of(steps: &[Step]) -> Runs {
     Runs::of_slots(steps.iter().map(|&(slot, _)| slot.0).collect())
 }
 

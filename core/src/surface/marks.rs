@@ -4,14 +4,14 @@ use crate::hierarchy::Site;
 
 /// One bit per possible member, and the list of members with their sites.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Marks {
+pub(crate) struct Marks {
     bits: Vec<u64>,
     members: Vec<(u32, Site)>,
 }
 
 impl Marks {
     /// Empties the set and makes room for members below `len`.
-    pub(super) fn reset(&mut self, len: u32) {
+    pub(crate) fn reset(&mut self, len: u32) {
         for &(member, _) in &self.members {
             self.bits[member as usize / 64] = 0;
         }
@@ -23,7 +23,7 @@ impl Marks {
     }
 
     /// Adds a member; whether it was new.
-    pub(super) fn insert(&mut self, member: u32, site: Site) -> bool {
+    pub(crate) fn insert(&mut self, member: u32, site: Site) -> bool {
         let (word, bit) = (&mut self.bits[member as usize / 64], 1 << (member % 64));
         let new = *word & bit == 0;
         *word |= bit;
@@ -34,7 +34,7 @@ impl Marks {
     }
 
     /// The members in order of arrival.
-    pub(super) fn members(&self) -> &[(u32, Site)] {
+    pub(crate) fn members(&self) -> &[(u32, Site)] {
         &self.members
     }
 }

@@ -5,25 +5,31 @@
 //! that after an edit only the support has changed, to the bit, and that adding the negated integers undoes it. It
 //! does *not* check that an edit is sensible; that is [`crate::edit`]'s business.
 
+mod bounds;
 mod changes;
 mod digest;
 mod form;
 mod influence;
 mod local;
 mod marks;
+mod mask;
 mod placement;
+mod stroke;
 
+pub use bounds::Nearest;
 pub use changes::{Changes, Moved, Runs};
 pub use digest::{CoefficientSum, SurfaceHash, header_bytes};
 pub use form::{Form, FormOptions, NotASurface};
+pub(crate) use marks::Marks;
+pub use mask::Mask;
 pub use placement::{DEFAULT_PRECISION, LIMIT, NotPlaceable, PRECISIONS, Placement, UpAxis};
 
 use crate::hierarchy::{Hierarchy, Level, Odd, PublicId, Slot};
 use crate::mesh::TriangleMesh;
 use crate::wavelet::{Filters, ValenceTooHigh, rows};
-use marks::Marks;
+use bounds::BoundsTree;
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A position or a coefficient, in steps.
 pub type Vector = [i32; 3];
@@ -31,7 +37,8 @@ pub type Vector = [i32; 3];
 /// The names of the channels, in order.
 pub const CHANNELS: [&str; 3] = ["x", "y", "z"];
 
-/// A wavelet surface. Memory: 28 bytes per finest vertex.
+/// A wavelet surface. Memory: 28 bytes per finest vertex; with boxes for
+/// finding places and a mask 31.
 #[derive(Debug, Clone)]
 pub struct Surface {
     hierarchy: Arc<Hierarchy>,
@@ -42,6 +49,8 @@ pub struct Surface {
     header: Arc<Vec<u8>>,
     sum: CoefficientSum,
     marks: [Marks; 2],
+    bounds: OnceLock<BoundsTree>,
+    mask: Mask,
 }
 
 impl Surface {
@@ -113,6 +122,8 @@ impl Surface {
             wavelets,
             sum: CoefficientSum::default(),
             marks: Default::default(),
+            bounds: OnceLock::new(),
+            mask: Mask::default(),
         };
         surface.sum = surface.full_sum();
         surface
@@ -151,6 +162,37 @@ impl Surface {
     /// A vertex of `M^j` in model units.
     pub fn position(&self, level: Level, slot: Slot) -> [f64; 3] {
         self.form.placement.to_model(self.scaling(level)[slot.index()])
+    }
+
+    /// The point of the finest level closest to a point, both in steps. The first call is linear in the surface, later
+    /// ones logarithmic.
+    pub fn nearest(&self, p: [f64; 3]) -> Nearest {
+        let finest = self.scaling(self.finest());
+        let tree = self.bounds.get_or_init(|| BoundsTree::new(&self.hierarchy, finest));
+        tree.nearest(&self.hierarchy, finest, p)
+    }
+
+    /// Keeps the boxes round what moved.
+    fn follow_bounds(&mut self, changes: &Changes) {
+        match changes.at(self.finest()) {
+            Moved::Nothing => {}
+            Moved::Everything => drop(self.bounds.take()),
+            Moved::Some(runs) => {
+                if let Some(tree) = self.bounds.get_mut() {
+                    tree.follow(&self.hierarchy, self.scaling.last().expect("one level at least"), runs);
+                }
+            }
+        }
+    }
+
+    /// How far each vertex is kept from the brushes.
+    pub fn mask(&self) -> &Mask {
+        &self.mask
+    }
+
+    /// The mask, to be changed.
+    pub(crate) fn mask_mut(&mut self) -> &mut Mask {
+        &mut self.mask
     }
 
     /// The public id of the wavelet at an odd vertex of a level.

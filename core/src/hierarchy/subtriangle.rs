@@ -1,41 +1,43 @@
 //! The triangles that a base face falls into, level by level: each is split into four, so they are a quadtree.
 
+use super::{Layout, Site};
+
 /// A triangle of `M^l` inside a base face, by its lattice place.
 ///
 /// An upward one has the corners `(i, r)`, `(i+1, r)`, `(i, r+1)`; a downward one `(i+1, r)`, `(i+1, r+1)`,
 /// `(i, r+1)`, with `i` along the face's first edge and `r` the row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct Subtriangle {
+pub struct Subtriangle {
     /// The base face.
-    pub(super) face: u32,
+    pub face: u32,
     /// Place along the row.
-    pub(super) i: u32,
+    pub i: u32,
     /// The row.
-    pub(super) r: u32,
+    pub r: u32,
     /// Whether it points the other way from the face.
-    pub(super) down: bool,
+    pub down: bool,
 }
 
 impl Subtriangle {
     /// The whole base face.
-    pub(super) fn whole(face: u32) -> Self {
+    pub fn whole(face: u32) -> Self {
         Self { face, i: 0, r: 0, down: false }
     }
 
     /// Its number among the `n²` triangles a face has at a level with `n` segments, faces one after another.
-    pub(super) fn index(self, n: u32) -> usize {
+    pub fn index(self, n: u32) -> usize {
         let within = self.r * (2 * n - self.r) + 2 * self.i + u32::from(self.down);
         self.face as usize * (n as usize * n as usize) + within as usize
     }
 
     /// Its corners as lattice places `(i, r)`.
-    pub(super) fn corners(self) -> [[u32; 2]; 3] {
+    pub fn corners(self) -> [[u32; 2]; 3] {
         let (i, r) = (self.i, self.r);
         if self.down { [[i + 1, r], [i + 1, r + 1], [i, r + 1]] } else { [[i, r], [i + 1, r], [i, r + 1]] }
     }
 
     /// The four triangles of the next level that make it up.
-    pub(super) fn children(self) -> [Self; 4] {
+    pub fn children(self) -> [Self; 4] {
         let at =
             |i: u32, r: u32, down: bool| Self { face: self.face, i: 2 * self.i + i, r: 2 * self.r + r, down };
         if self.down {
@@ -46,15 +48,41 @@ impl Subtriangle {
     }
 
     /// The triangle of the level before that holds it.
-    pub(super) fn parent(self) -> Self {
+    pub fn parent(self) -> Self {
         let both_odd = self.i % 2 == 1 && self.r % 2 == 1;
         let both_even = self.i.is_multiple_of(2) && self.r.is_multiple_of(2);
         let down = if self.down { !both_even } else { both_odd };
         Self { face: self.face, i: self.i / 2, r: self.r / 2, down }
     }
 
+    /// All triangles of a face at a level with `n` segments.
+    pub fn all_in_face(face: u32, n: u32) -> impl Iterator<Item = Self> {
+        (0..n).flat_map(move |r| {
+            (0..n - r).flat_map(move |i| {
+                let up = Self { face, i, r, down: false };
+                let down = (i + r + 1 < n).then_some(Self { down: true, ..up });
+                std::iter::once(up).chain(down)
+            })
+        })
+    }
+
+    /// The triangles of a level that meet at one of its vertices.
+    pub fn incident(layout: &Layout, site: Site) -> Vec<Self> {
+        let base = layout.base();
+        let faces: Vec<u32> = match site {
+            Site::Face { face, .. } => vec![face],
+            Site::Edge { edge, .. } => base.sides(edge).into_iter().flatten().map(|side| side.face).collect(),
+            Site::Base(v) => base.fan(v).corners.iter().map(|&(face, _)| face).collect(),
+        };
+        let in_face = |face| {
+            let [_, i, r] = layout.in_face(face, site).expect("the face contains the vertex");
+            Self::around(face, i, r, layout.segments())
+        };
+        faces.into_iter().flat_map(in_face).collect()
+    }
+
     /// The up to six triangles of a face, at a level with `n` segments, that meet at the lattice place `(i, r)`.
-    pub(super) fn around(face: u32, i: u32, r: u32, n: u32) -> impl Iterator<Item = Self> {
+    pub fn around(face: u32, i: u32, r: u32, n: u32) -> impl Iterator<Item = Self> {
         let (i, r, n) = (i64::from(i), i64::from(r), i64::from(n));
         let places = [
             (i, r, false),

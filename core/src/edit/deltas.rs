@@ -1,0 +1,200 @@
+//! Integers added to coefficients of several levels, and the same packed for the history.
+//!
+//! Packed, a set of deltas takes a few bytes a coefficient: gaps between sorted indices and zigzagged components as
+//! variable-length integers, then DEFLATE. The bytes stand behind a shared handle, so that whoever keeps the history can
+//! move them elsewhere.
+
+use crate::hierarchy::{Level, Odd, Slot};
+use crate::surface::Vector;
+use flate2::Compression;
+use flate2::read::DeflateDecoder;
+use flate2::write::DeflateEncoder;
+use std::io::{Read, Write};
+use std::sync::{Arc, Mutex};
+
+/// What an edit adds: to scaling coefficients of one level, and to wavelet coefficients of that level and finer ones.
+/// Sorted by slot and odd vertex.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Deltas {
+    /// Additions to `c^j`.
+    pub scaling: Option<(Level, Vec<(Slot, Vector)>)>,
+    /// Additions to `d^l`, coarse to fine.
+    pub wavelets: Vec<(Level, Vec<(Odd, Vector)>)>,
+}
+
+/// Where packed bytes are.
+pub trait Kept: std::fmt::Debug + Send {
+    /// The bytes.
+    ///
+    /// # Errors
+    /// They are elsewhere and cannot be read.
+    fn read(&self) -> std::io::Result<Vec<u8>>;
+
+    /// How many of them are in memory.
+    fn in_memory(&self) -> usize;
+}
+
+impl Kept for Vec<u8> {
+    fn read(&self) -> std::io::Result<Vec<u8>> {
+        Ok(self.clone())
+    }
+
+    fn in_memory(&self) -> usize {
+        self.len()
+    }
+}
+
+/// Deltas and changes of the mask, packed.
+#[derive(Debug, Clone)]
+pub struct Packed {
+    bytes: Arc<Mutex<Box<dyn Kept>>>,
+}
+
+/// A changed value of the mask: slot of the finest level, before, after.
+pub type MaskChange = (Slot, u8, u8);
+
+impl Packed {
+    /// Packs. Linear in what there is.
+    pub fn new(deltas: &Deltas, mask: &[MaskChange]) -> Self {
+        let mut out = Out(DeflateEncoder::new(Vec::new(), Compression::fast()));
+        let (level, scaling) = match &deltas.scaling {
+            Some((level, of_level)) => (u64::from(level.0), of_level.as_slice()),
+            None => (0, [].as_slice()),
+        };
+        out.number(level);
+        out.vectors(scaling.iter().map(|&(slot, v)| (slot.0, v)));
+        out.number(deltas.wavelets.len() as u64);
+        for (level, of_level) in &deltas.wavelets {
+            out.number(u64::from(level.0));
+            out.vectors(of_level.iter().map(|&(odd, v)| (odd.0, v)));
+        }
+        let mut mask = mask.to_vec();
+        mask.sort_unstable();
+        out.number(mask.len() as u64);
+        let mut last = 0;
+        for (slot, before, after) in mask {
+            out.number(u64::from(slot.0 - last));
+            out.number(u64::from(before) << 8 | u64::from(after));
+            last = slot.0;
+        }
+        let bytes = out.0.finish().expect("memory takes every byte");
+        Self { bytes: Arc::new(Mutex::new(Box::new(bytes))) }
+    }
+
+    /// Unpacks. Linear in what there is.
+    ///
+    /// # Errors
+    /// The bytes were moved elsewhere and cannot be read.
+    pub fn unpack(&self) -> std::io::Result<(Deltas, Vec<MaskChange>)> {
+        let bytes = self.bytes.lock().expect("nobody panics while holding it").read()?;
+        let mut plain = Vec::new();
+        DeflateDecoder::new(bytes.as_slice()).read_to_end(&mut plain)?;
+        let mut input = In(plain.iter());
+        let level = Level(input.number() as u8);
+        let scaling: Vec<(Slot, Vector)> = input.vectors().map(|(at, v)| (Slot(at), v)).collect();
+        let wavelets = (0..input.number())
+            .map(|_| {
+                let level = Level(input.number() as u8);
+                (level, input.vectors().map(|(at, v)| (Odd(at), v)).collect())
+            })
+            .collect();
+        let mut last = 0;
+        let mask = (0..input.number())
+            .map(|_| {
+                last += input.number() as u32;
+                let values = input.number();
+                (Slot(last), (values >> 8) as u8, values as u8)
+            })
+            .collect();
+        Ok((Deltas { scaling: (!scaling.is_empty()).then_some((level, scaling)), wavelets }, mask))
+    }
+
+    /// The handle behind which the bytes stand.
+    pub fn handle(&self) -> &Arc<Mutex<Box<dyn Kept>>> {
+        &self.bytes
+    }
+}
+
+struct Out(DeflateEncoder<Vec<u8>>);
+
+impl Out {
+    fn number(&mut self, mut x: u64) {
+        let mut bytes = Vec::with_capacity(10);
+        while x >= 0x80 {
+            bytes.push(x as u8 | 0x80);
+            x >>= 7;
+        }
+        bytes.push(x as u8);
+        self.0.write_all(&bytes).expect("memory takes every byte");
+    }
+
+    fn vectors(&mut self, sorted: impl ExactSizeIterator<Item = (u32, Vector)>) {
+        self.number(sorted.len() as u64);
+        let mut last = 0;
+        for (at, v) in sorted {
+            self.number(u64::from(at - last));
+            last = at;
+            for x in v {
+                self.number(u64::from((x << 1 ^ x >> 31) as u32));
+            }
+        }
+    }
+}
+
+struct In<'a>(std::slice::Iter<'a, u8>);
+
+impl In<'_> {
+    fn number(&mut self) -> u64 {
+        let (mut x, mut shift) = (0, 0);
+        for &byte in self.0.by_ref() {
+            x |= u64::from(byte & 0x7f) << shift;
+            shift += 7;
+            if byte < 0x80 {
+                break;
+            }
+        }
+        x
+    }
+
+    fn vectors(&mut self) -> std::vec::IntoIter<(u32, Vector)> {
+        let count = self.number();
+        let mut last = 0;
+        let vectors: Vec<_> = (0..count)
+            .map(|_| {
+                last += self.number() as u32;
+                let v = std::array::from_fn(|_| {
+                    let x = self.number() as u32;
+                    (x >> 1) as i32 ^ -((x & 1) as i32)
+                });
+                (last, v)
+            })
+            .collect();
+        vectors.into_iter()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_packed_comes_back() {
+        let deltas = Deltas {
+            scaling: Some((Level(3), vec![(Slot(0), [1, -2, 3]), (Slot(900_000), [i32::MAX, i32::MIN, 0])])),
+            wavelets: vec![
+                (Level(3), vec![(Odd(7), [5, 5, 5])]),
+                (Level(6), (0..5000).map(|i| (Odd(3 * i), [i as i32 - 2000, 0, -1])).collect()),
+            ],
+        };
+        let mask = [(Slot(9), 0, 255), (Slot(4), 17, 3)];
+        let packed = Packed::new(&deltas, &mask);
+        let (back, mut mask_back) = packed.unpack().expect("in memory");
+        assert_eq!(back, deltas);
+        mask_back.reverse();
+        assert_eq!(mask_back, mask);
+        let size = packed.handle().lock().expect("free").in_memory();
+        assert!(size < 16_000, "{size} bytes for 5000 vectors");
+        let (nothing, none) = Packed::new(&Deltas::default(), &[]).unpack().expect("in memory");
+        assert!(nothing == Deltas::default() && none.is_empty());
+    }
+}
