@@ -1,5 +1,6 @@
 //! The Bozzetto application: command line, editor and renderer.
 
+mod bench;
 pub mod cli;
 pub mod display;
 pub mod editor;

@@ -4,6 +4,7 @@
 //! stderr, and replaces its output in one step or not at all. Exit status: 0, 1 failed, 2 bad arguments.
 
 mod bake;
+mod bench;
 mod coefficients;
 mod compare;
 mod export;
@@ -53,6 +54,7 @@ enum Command {
     Bake(bake::Args),
     Verify(verify::Args),
     Render(render::Args),
+    Bench(bench::Args),
 }
 
 /// Parses the arguments, does what they ask, and gives the exit status.
@@ -70,6 +72,7 @@ pub fn main() -> ExitCode {
         Some(Command::Bake(args)) => bake::run(&args),
         Some(Command::Verify(args)) => verify::run(&args),
         Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Bench(args)) => bench::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

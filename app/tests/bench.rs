@@ -1,0 +1,48 @@
+//! The benchmark on a small surface: everything is measured and said; how long it takes is nobody's business here.
+
+mod program;
+
+use program::Workplace;
+
+const KEYS: [&str; 12] = [
+    "analysis_ns_per_vertex",
+    "synthesis_ns_per_vertex",
+    "copy_ns_per_vertex",
+    "sparse_ns_per_vertex",
+    "two_threads_speedup",
+    "scale_ratio",
+    "edit_fine_us",
+    "edit_scale_ratio",
+    "edit_coarse_ms",
+    "dab_ms",
+    "undo_ratio",
+    "open_ms",
+];
+
+#[test]
+fn every_figure_is_measured() {
+    let work = Workplace::new();
+    let figures = work.json(&["bench", "--levels", "3"]);
+    for key in KEYS {
+        let figure = figures[key].as_f64();
+        assert!(figure.is_some_and(|x| x.is_finite() && x > 0.0), "{key}: {figures}");
+    }
+    assert_eq!(figures["vertices"], 258);
+    assert!(figures["machine"]["threads"].as_u64() >= Some(1), "{figures}");
+    assert!(figures["machine"]["processor"].as_str().is_some_and(|name| !name.is_empty()), "{figures}");
+    assert!(work.contents().is_empty(), "nothing is left behind");
+}
+
+#[test]
+fn people_get_a_table() {
+    let text = Workplace::new().succeeds(&["bench", "--levels", "3"]);
+    for line in ["machine", "analysis by sparse matrices", "undo over edit", "opening"] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+}
+
+#[test]
+fn levels_have_bounds() {
+    let outcome = Workplace::new().run(&["bench", "--levels", "2"]);
+    assert_eq!(outcome.status, 2, "{outcome:?}");
+}
