@@ -111,6 +111,7 @@ fn radius_around(surface: &Surface, vertex: u32, vertices: usize) -> Result<(f64
         match Region::of(surface, &scaling(surface.finest(), vertex, Some(radius)))? {
             Region::Scaling(_, region) => Ok(region.len()),
             Region::Wavelets(_, region) => Ok(region.len()),
+            Region::Pulled(_) => unreachable!("a move of scaling coefficients is no pull"),
         }
     };
     let (mut low, mut high) = (0.0, 3.0);
