@@ -1,5 +1,6 @@
 //! One face of one level of analysis.
 
+use super::border::Border;
 use super::chart::Chart;
 use super::face_blocks::FaceBlock;
 use super::predict::Difference;
@@ -20,13 +21,14 @@ impl Engine<'_> {
     pub(super) fn analyse_face<const N: usize>(
         &self,
         chart: &Chart,
-        window: &mut Window<N>,
+        (window, border): (&mut Window<N>, &mut Border<N>),
         finer: &[[i32; N]],
         output: &mut Output<N>,
     ) -> bool {
         let n = chart.n();
         let stencil = window.place(self.filters.stencil());
         let value = |site| finer[chart.fine.slot(site).index()];
+        border.collect(chart, value);
         let mut exact = true;
         for first in (0..=n).step_by(STRIP as usize) {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
@@ -37,8 +39,8 @@ impl Engine<'_> {
                 let row = window.row(r);
                 let (even, odd) =
                     ([&mut row.e[..used], &mut row.h[..used]], [&mut row.v[..used], &mut row.d[..used]]);
-                strip.read_row(chart, 2 * r, stored_row(chart, 2 * r, finer), value, even);
-                strip.read_row(chart, 2 * r + 1, stored_row(chart, 2 * r + 1, finer), value, odd);
+                strip.read_row(chart, border, 2 * r, stored_row(chart, 2 * r, finer), value, even);
+                strip.read_row(chart, border, 2 * r + 1, stored_row(chart, 2 * r + 1, finer), value, odd);
                 exact &= self.predict(window, n, r);
                 self.store_details(chart, strip, window, r, &mut output.details);
                 let even = r - HALO;

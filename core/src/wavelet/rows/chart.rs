@@ -1,7 +1,7 @@
 //! The grid of one base face at level j + 1 and its neighbours unfolded around it: where each point is stored.
 
 use super::window::HALO;
-use crate::hierarchy::{Layout, Site};
+use crate::hierarchy::{EdgeSide, Layout, Site};
 
 /// A base face and two levels over it.
 pub(super) struct Chart<'a> {
@@ -11,7 +11,9 @@ pub(super) struct Chart<'a> {
     /// Level j + 1.
     pub(super) fine: &'a Layout,
     /// By edge of the face: the edge, and whether its low end is the edge's start.
-    edges: [(u32, bool); 3],
+    pub(super) edges: [(u32, bool); 3],
+    /// By edge of the face: the face across it.
+    pub(super) across: [Option<EdgeSide>; 3],
     /// By corner of the face: whether the grid goes on around it as the regular lattice does.
     regular: [bool; 3],
 }
@@ -35,6 +37,7 @@ impl<'a> Chart<'a> {
             coarse,
             fine,
             edges: std::array::from_fn(|k| (edges[k], base.edges()[edges[k] as usize][0] == corners[k])),
+            across: [0, 1, 2].map(|k| base.across(face, k)),
             regular: corners.map(|v| base.is_regular(v)),
         }
     }
@@ -50,22 +53,12 @@ impl<'a> Chart<'a> {
         ((-halo).max(-halo - r), (n - r + halo).min(n + halo))
     }
 
-    /// Calls back for points of row `r` of the unfolded grid of level j + 1, with their sites; `None` beyond the boundary
-    /// and around extraordinary corners, over which no stencil reaches.
-    #[inline(always)]
-    pub(super) fn unfold(&self, r: i32, from: i32, to: i32, mut found: impl FnMut(i32, Option<Site>)) {
-        for i in from..=to {
-            let b = [2 * self.n() - i - r, i, r];
-            found(i, self.fine.inside_or_beside(self.face, b).or_else(|| self.elsewhere(b)));
-        }
-    }
-
-    /// The site of a point that is neither in the face nor beside it.
-    #[cold]
-    fn elsewhere(&self, b: [i32; 3]) -> Option<Site> {
-        if let Some(OnEdge { k, t }) = self.on_edge(2 * self.n(), b[1], b[2]) {
-            return Some(Site::Edge { edge: self.edges[k].0, t });
-        }
+    /// The site of a point of row `r` of level j + 1 that may lie beyond several edges; `None` beyond the boundary and around
+    /// extraordinary corners, over which no stencil reaches.
+    #[inline(never)]
+    pub(super) fn elsewhere(&self, r: i32, i: i32) -> Option<Site> {
+        let n = 2 * self.n();
+        let b = [n - i - r, i, r];
         let corner = if b[0] >= b[1] && b[0] >= b[2] { 0 } else { 1 + usize::from(b[2] > b[1]) };
         let beyond = b.iter().any(|&x| x < 0);
         if beyond && !self.regular[corner] { None } else { self.fine.resolve(self.face, b) }

@@ -10,6 +10,7 @@
 //! could overflow, the level is given to the reference. Levels too coarse for the constant stencil always are.
 
 mod analysis;
+mod border;
 mod chart;
 mod face_blocks;
 mod pairs;
@@ -26,6 +27,7 @@ use super::regularity::{irregular_sites, is_coarse, regular_run};
 use super::{Filters, Wavelet};
 use crate::hierarchy::{Hierarchy, Layout, Level, Site};
 use analysis::Output;
+use border::Border;
 use chart::Chart;
 use face_blocks::split_by_face;
 pub use patch::{Patch, Refined, refine};
@@ -96,10 +98,10 @@ pub fn analyse_level_into<const N: usize>(
         let faces = details.into_par_iter().zip(evens).enumerate();
         faces
             .map_init(
-                || engine.window(coarse),
-                |window, (face, (details, coarser))| {
+                || (engine.window(coarse), Border::new(coarse.segments())),
+                |(window, border), (face, (details, coarser))| {
                     let chart = Chart::new(coarse, fine, face as u32);
-                    engine.analyse_face(&chart, window, finer, &mut Output { details, coarser })
+                    engine.analyse_face(&chart, (window, border), finer, &mut Output { details, coarser })
                 },
             )
             .reduce(|| true, |a, b| a & b)
@@ -157,10 +159,10 @@ pub fn synthesise_level_into<const N: usize>(
             .into_par_iter()
             .enumerate()
             .map_init(
-                || (engine.window(coarse), engine.odds(coarse)),
-                |(window, odds), (face, mut finer)| {
+                || (engine.window(coarse), Border::new(coarse.segments()), engine.odds(coarse)),
+                |(window, border, odds), (face, mut finer)| {
                     let chart = Chart::new(coarse, fine, face as u32);
-                    engine.synthesise_face(&chart, (window, odds), (coarser, details), &mut finer)
+                    engine.synthesise_face(&chart, (window, border, odds), (coarser, details), &mut finer)
                 },
             )
             .reduce(|| true, |a, b| a & b)

@@ -1,5 +1,6 @@
 //! Rows of a strip: reading them from a level's storage into a window and writing them back.
 
+use super::border::Border;
 use super::chart::Chart;
 use super::face_blocks::FaceBlock;
 use super::pairs;
@@ -24,10 +25,11 @@ impl Strip {
     }
 
     /// Reads row `ρ` of the unfolded fine grid into two planes. `stored` is the part of it that lies inside the face,
-    /// as [`pairs`] has it; `value` finds any one point.
+    /// as [`pairs`] has it; `value` finds points that the border does not hold.
     pub(super) fn read_row<const N: usize>(
         self,
         chart: &Chart,
+        border: &Border<N>,
         rho: i32,
         stored: &[[i32; N]],
         value: impl Fn(Site) -> [i32; N],
@@ -42,24 +44,28 @@ impl Strip {
             plane[..(((low + 1) >> 1) - left).clamp(0, right - left + 1) as usize].fill([0; N]);
             plane[(((high + 1) >> 1) - left).clamp(0, right - left + 1) as usize..].fill([0; N]);
         }
-        let mut put = |i: i32, site: Option<Site>| {
-            let plane = if i & 1 == 0 { &mut *a } else { &mut *b };
-            plane[((i >> 1) - left) as usize] = match site {
-                Some(site) => value(site),
-                None => [0; N],
-            };
-        };
         // Columns whose pair lies inside the face.
         let (from, to) = (left.max(1), right.min((stored.len() as i32 - 1).div_euclid(2)));
-        if from > to {
-            chart.unfold(rho, low, high, put);
-            return;
+        let around =
+            if from > to { [[low, high], [0, -1]] } else { [[low, 2 * from - 1], [2 * to + 2, high]] };
+        for columns in around {
+            border.row(
+                chart,
+                rho,
+                columns,
+                |i| stored[i as usize - 1],
+                &value,
+                |i, value| {
+                    let plane = if i & 1 == 0 { &mut *a } else { &mut *b };
+                    plane[((i >> 1) - left) as usize] = value;
+                },
+            );
         }
-        chart.unfold(rho, low, 2 * from - 1, &mut put);
-        chart.unfold(rho, 2 * to + 2, high, &mut put);
-        let columns = (from - left) as usize..(to - left + 1) as usize;
-        let stored = &stored[(2 * from - 1) as usize..(2 * to + 1) as usize];
-        pairs::split(stored, &mut a[columns.clone()], &mut b[columns]);
+        if from <= to {
+            let columns = (from - left) as usize..(to - left + 1) as usize;
+            let stored = &stored[(2 * from - 1) as usize..(2 * to + 1) as usize];
+            pairs::split(stored, &mut a[columns.clone()], &mut b[columns]);
+        }
     }
 
     /// Writes the strip's share of a row `ρ` of the face's fine grid from two planes: its inside to `stored`, border

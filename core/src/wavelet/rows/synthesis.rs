@@ -1,5 +1,6 @@
 //! One face of one level of synthesis.
 
+use super::border::Border;
 use super::chart::Chart;
 use super::face_blocks::FaceBlock;
 use super::predict::{Sum, Within};
@@ -25,7 +26,7 @@ impl Engine<'_> {
     pub(super) fn synthesise_face<const N: usize>(
         &self,
         chart: &Chart,
-        (window, odds): (&mut Window<N>, &mut Odds<N>),
+        (window, border, odds): (&mut Window<N>, &mut Border<N>, &mut Odds<N>),
         (coarser, details): (&[[i32; N]], &[[i32; N]]),
         finer: &mut FaceBlock<[i32; N]>,
     ) -> bool {
@@ -33,14 +34,21 @@ impl Engine<'_> {
         let stencil = window.place(self.filters.stencil());
         let start = chart.coarse.odd_face_start(chart.face) as usize;
         let own = &details[start..];
-        let value = |site| details[chart.coarse.odd_at(site).index()];
+        let value = |site| match site {
+            // Even vertices have no details.
+            Site::Base(_) => [0; N],
+            Site::Edge { t, .. } if t % 2 == 0 => [0; N],
+            Site::Face { i, r, .. } if i % 2 == 0 && r % 2 == 0 => [0; N],
+            odd => details[chart.coarse.odd_at(odd).index()],
+        };
+        border.collect(chart, value);
         let mut exact = true;
         for first in (0..=n).step_by(STRIP as usize) {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
             window.start(first as u32, -HALO);
             for r in -HALO..=n - first + HALO {
                 window.advance_to(r);
-                self.read_details(chart, strip, window, r, own, value);
+                self.read_details(chart, (strip, r), (window, border), own, value);
                 let used = window.used(n, r);
                 let row = window.row(r);
                 for plane in [row.h, row.v, row.d] {
@@ -59,38 +67,39 @@ impl Engine<'_> {
     fn read_details<const N: usize>(
         &self,
         chart: &Chart,
-        strip: Strip,
-        window: &mut Window<N>,
-        r: i32,
+        (strip, r): (Strip, i32),
+        (window, border): (&mut Window<N>, &Border<N>),
         own: &[[i32; N]],
-        value: impl Fn(Site) -> [i32; N] + Copy,
+        value: impl Fn(Site) -> [i32; N],
     ) {
         let n = chart.n();
         let left = strip.first - HALO;
         let used = window.used(n, r);
         let row = window.row(r);
         let (h, odd) = (&mut row.h[..used], [&mut row.v[..used], &mut row.d[..used]]);
-        strip.read_row(chart, 2 * r + 1, &own[stored_details(chart, 2 * r + 1)], value, odd);
+        let rho = 2 * r + 1;
+        strip.read_row(chart, border, rho, &own[stored_details(chart, rho)], &value, odd);
         // Of an even row only `H` is stored, all of it inside the face.
         let (low, high) = chart.reach(2 * r);
         let (low, high) = (low.div_euclid(2).max(left), high.div_euclid(2).min(left + used as i32 - 1));
-        let mut put = |i: i32, site: Option<Site>| {
-            if i & 1 == 1 {
-                h[((i >> 1) - left) as usize] = match site {
-                    Some(site) => value(site),
-                    None => [0; N],
-                };
-            }
+        let (from, to) = if (1..n).contains(&r) { (low.max(0), high.min(n - r - 1)) } else { (0, -1) };
+        let around = if from > to {
+            [[2 * low, 2 * high + 1], [0, -1]]
+        } else {
+            [[2 * low, 2 * from - 1], [2 * to + 2, 2 * high + 1]]
         };
-        let (from, to) = (low.max(0), high.min(n - r - 1));
-        if (1..n).contains(&r) && from <= to {
-            chart.unfold(2 * r, 2 * low, 2 * from - 1, &mut put);
-            chart.unfold(2 * r, 2 * to + 2, 2 * high + 1, &mut put);
+        for columns in around {
+            let no_odds = |_| [0; N];
+            border.row(chart, 2 * r, columns, no_odds, &value, |i, value| {
+                if i & 1 == 1 {
+                    h[((i >> 1) - left) as usize] = value;
+                }
+            });
+        }
+        if from <= to {
             let start = chart.coarse.odd_row_start(2 * r as u32) as usize;
             h[(from - left) as usize..=(to - left) as usize]
                 .copy_from_slice(&own[start + from as usize..=start + to as usize]);
-        } else {
-            chart.unfold(2 * r, 2 * low, 2 * high + 1, put);
         }
     }
 
