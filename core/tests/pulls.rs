@@ -414,7 +414,9 @@ fn relief_keeps_its_height_and_angle_when_the_form_bends() {
         });
         println!("{spread:?}: height × {ratio:.4}, angle {angle:.2}°, without following {sheared:.2}°");
         assert!((ratio - 1.0).abs() < 0.02, "{spread:?}: height × {ratio}");
-        assert!(angle < 3.0, "{spread:?}: turned by {angle}° against the surface");
+        // With hats the form itself has a kink at every ring, and relief beside it leans half that way.
+        let most = if spread == Spread::Smooth { 3.0 } else { 4.5 };
+        assert!(angle < most, "{spread:?}: turned by {angle}° against the surface");
         assert!(sheared > 8.0, "{spread:?}: without following, relief is {sheared}° off");
     }
 }

@@ -108,6 +108,10 @@ fn drag_undo_save_reopen(kind: Kind) {
     save_as(&mut harness, &path);
     assert_eq!(hash(&harness), original, "saving changes nothing");
 
+    // The paper's coefficient as it is.
+    harness.get_by_label("Raw").click();
+    harness.get_by_label("detail follows").click();
+    harness.run();
     if kind == Kind::Wavelet {
         harness.get_by_label("Wavelet").click();
     }

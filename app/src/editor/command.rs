@@ -3,8 +3,9 @@
 use super::choices::ImportChoices;
 use super::dialog::Dialog;
 use super::preview::PreviewView;
+use super::settings::{Hand, Navigation};
 use crate::render::{Shading, View};
-use bozzetto_core::edit::{Edit, Falloff, Kind};
+use bozzetto_core::edit::{Edit, Falloff, Kind, Spread, Tool};
 use bozzetto_core::hierarchy::PublicId;
 use glam::{DVec2, DVec3};
 use std::path::PathBuf;
@@ -72,6 +73,12 @@ pub enum Command {
         /// Its id.
         vertex: PublicId,
     },
+    /// Begins dragging a place of the surface, in drawing space.
+    BeginGrab(DVec3),
+    /// Begins a brush stroke: what it does, and whether the other way round.
+    BeginBrush(Tool, bool),
+    /// Touches with the brush at a place in drawing space, with a pen's pressure if there is one.
+    Dab(DVec3, Option<f64>),
     /// Moves the stroke to a delta, in drawing space.
     DragTo(DVec3),
     /// Ends the stroke.
@@ -90,6 +97,32 @@ pub enum Command {
     SetRadius(f64),
     /// Chooses how a move fades.
     SetFalloff(Falloff),
+    /// Takes something into the hand.
+    Take(Hand),
+    /// Chooses the brush's radius as a fraction of the model's.
+    SetBrushRadius(f64),
+    /// Chooses the brush's strength.
+    SetStrength(f64),
+    /// Switches the mirror plane across an axis.
+    ToggleSymmetry(usize),
+    /// Chooses how handles bend finer levels.
+    SetSpread(Spread),
+    /// Switches whether finer detail follows.
+    ToggleFollow,
+    /// Switches whether the radius chooses the level.
+    ToggleAutoLevel,
+    /// Chooses how far the brush trails behind the cursor.
+    SetSteady(f64),
+    /// Switches what a pen's pressure acts on: strength, radius.
+    TogglePressure(bool),
+    /// Chooses how the mouse moves the camera.
+    SetNavigation(Navigation),
+    /// Shows or hides the inspector.
+    ToggleInspector,
+    /// Takes the mask away.
+    ClearMask,
+    /// Looks at where the last stroke was.
+    FrameStroke,
     /// Selects a coefficient, or none.
     Select(Option<PublicId>),
 
@@ -113,7 +146,15 @@ pub enum Command {
 impl Command {
     /// Whether it changes where the surface is looked at from and nothing else.
     pub fn only_looks(&self) -> bool {
-        matches!(self, Self::Look(_) | Self::Fit | Self::Orbit(_) | Self::Pan(_) | Self::Zoom(..))
+        matches!(
+            self,
+            Self::Look(_)
+                | Self::Fit
+                | Self::Orbit(_)
+                | Self::Pan(_)
+                | Self::Zoom(..)
+                | Self::ToggleInspector
+        )
     }
 }
 

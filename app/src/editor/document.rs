@@ -2,8 +2,8 @@
 
 use crate::display::{Hit, PickTree, ShownVertices};
 use crate::render::{BoundingSphere, Ray};
-use bozzetto_core::edit::Kind;
-use bozzetto_core::hierarchy::{Level, Odd, PublicId, Slot};
+use bozzetto_core::edit::{Kind, true_reach};
+use bozzetto_core::hierarchy::{Address, Level, Odd, PublicId, Slot};
 use bozzetto_core::session::Session;
 use bozzetto_core::surface::{Changes, Surface};
 use glam::DVec3;
@@ -128,6 +128,38 @@ impl Document {
             Kind::Wavelet => self.surface().wavelet_id(level, hit.nearest_odd(hierarchy, level)),
         };
         self.target(kind, level, vertex).expect("picked coefficients exist")
+    }
+
+    /// The place under a hit as something to drag.
+    pub fn place_at(&self, hit: &Hit) -> Target {
+        let target = self.target_at(hit, Kind::Scaling, self.vertices().level());
+        Target { position: hit.point, normal: self.normal_at(hit), peak: 1.0, ..target }
+    }
+
+    /// The surface's normal at a hit.
+    pub fn normal_at(&self, hit: &Hit) -> DVec3 {
+        let layout = self.surface().hierarchy().layout(self.vertices().level());
+        let address = Address { face: hit.face, at: [hit.barycentric.y, hit.barycentric.z] };
+        let normals = self.vertices().normals();
+        let corners = address.corners(layout).into_iter();
+        let sum: DVec3 = corners
+            .map(|(site, w)| DVec3::from_array(normals[layout.slot(site).index()].map(f64::from)) * w)
+            .sum();
+        sum.normalize_or(DVec3::Z)
+    }
+
+    /// How far, in drawing space, a brush of a radius truly reaches round a hit on a level: further where the level's
+    /// triangles are larger than the brush.
+    pub fn true_reach(&self, hit: &Hit, level: Level, radius: f64) -> f64 {
+        let address = Address { face: hit.face, at: [hit.barycentric.y, hit.barycentric.z] };
+        let step = self.surface().form().placement.step;
+        true_reach(self.surface(), level, address, radius / step) * step
+    }
+
+    /// A drawn place in model units.
+    pub fn model_place(&self, drawn: DVec3) -> [f64; 3] {
+        let origin = DVec3::from_array(self.surface().form().placement.origin);
+        (origin + self.vertices().frame().turn_back(drawn)).to_array()
     }
 
     /// A coefficient by its id, if it exists and the shown level has its vertex.

@@ -12,18 +12,14 @@ use super::worker::{Done, Outcome, Work};
 use crate::opening;
 use crate::render::BoundingSphere;
 use bozzetto_core::disk::{Disk, Vfs};
-use bozzetto_core::edit::{Edit, EditError, Kind, Move};
+use bozzetto_core::edit::{Edit, Kind};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::io::{MeshFormat, write_mesh};
 use bozzetto_core::session::{OpenOptions, Opened, Session};
-use bozzetto_core::surface::Changes;
+use bozzetto_core::surface::{Changes, Moved};
 use glam::DVec2;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-/// A step of a drag that takes longer than this shows a coarser level.
-const LONGEST_STEP: Duration = Duration::from_millis(8);
 
 /// Surfaces with more vertices do whole-level work away from the window.
 const LONG_WORK: u32 = 100_000;
@@ -70,9 +66,26 @@ impl Editor {
             Command::Undo => self.step(ctx, "Undoing", Session::undo),
             Command::Redo => self.step(ctx, "Redoing", Session::redo),
             Command::GoTo(steps) => self.step(ctx, "Going through the history", move |s| s.go_to(steps)),
-            Command::BeginStroke { .. } | Command::DragTo(_) | Command::EndStroke | Command::CancelStroke => {
-                self.stroke(command);
-            }
+            Command::BeginStroke { .. }
+            | Command::BeginGrab(_)
+            | Command::BeginBrush(..)
+            | Command::Dab(..)
+            | Command::DragTo(_)
+            | Command::EndStroke
+            | Command::CancelStroke => self.stroke(command),
+            Command::Take(_)
+            | Command::SetBrushRadius(_)
+            | Command::SetStrength(_)
+            | Command::ToggleSymmetry(_)
+            | Command::SetSpread(_)
+            | Command::ToggleFollow
+            | Command::ToggleAutoLevel
+            | Command::SetSteady(_)
+            | Command::TogglePressure(_)
+            | Command::SetNavigation(_)
+            | Command::ToggleInspector => self.equip(&command),
+            Command::ClearMask => self.clear_mask(ctx),
+            Command::FrameStroke => self.frame_stroke(),
             Command::SetKind(_) | Command::SetLevel(_) | Command::SetShown(_) => self.choose_level(&command),
             Command::SetRadius(radius) => self.settings.radius = radius,
             Command::SetFalloff(falloff) => self.settings.falloff = falloff,
@@ -111,7 +124,7 @@ impl Editor {
         }
     }
 
-    fn choose_level(&mut self, command: &Command) {
+    pub(super) fn choose_level(&mut self, command: &Command) {
         let Some(document) = &mut self.document else { return };
         let finest = document.surface().finest();
         let before = (self.settings.kind, self.settings.level);
@@ -140,70 +153,9 @@ impl Editor {
         }
     }
 
-    // ---- edits --------------------------------------------------------------------------------------------
+    // ---- edits ------------------------------------------------------------------------------------------
 
-    fn stroke(&mut self, command: Command) {
-        let Some(document) = &mut self.document else { return };
-        let begun = Instant::now();
-        let result = match command {
-            Command::BeginStroke { kind, level, vertex } => {
-                let reach = self.settings.radius * document.sphere().radius;
-                let (radius, falloff) =
-                    if reach > 0.0 { (Some(reach), Some(self.settings.falloff)) } else { (None, None) };
-                let edit = Move { kind, level, vertex: vertex.0, delta: [0.0; 3], radius, falloff, v: 1 };
-                document.session.begin_stroke(edit).map(|()| Changes::default())
-            }
-            Command::DragTo(drawn) => {
-                let model = document.vertices().frame().turn_back(drawn).to_array();
-                document.session.drag_to(model)
-            }
-            Command::EndStroke => {
-                if document.end_preview() {
-                    self.scenery.replace_surface();
-                }
-                let changes = document.session.end_stroke();
-                let refused = changes.beyond_limit;
-                self.follow(&changes);
-                if refused {
-                    self.fail(EditError::BeyondLimit.to_string());
-                }
-                return;
-            }
-            _ => {
-                if document.end_preview() {
-                    self.scenery.replace_surface();
-                }
-                Ok(document.session.cancel_stroke())
-            }
-        };
-        match result {
-            Ok(changes) => self.follow(&changes),
-            Err(error) => self.fail(error.to_string()),
-        }
-        self.coarsen_if_slow(begun.elapsed());
-    }
-
-    /// A stroke whose step took too long goes on at a coarser level: each costs a quarter of the next.
-    fn coarsen_if_slow(&mut self, step: Duration) {
-        let Some(document) = &mut self.document else { return };
-        if step <= LONGEST_STEP || !document.session.in_stroke() {
-            return;
-        }
-        let home = match self.settings.kind {
-            Kind::Scaling => self.settings.level,
-            Kind::Wavelet => self.settings.level.finer(),
-        };
-        let shown = document.vertices().level();
-        let too_slow = step.as_secs_f64() / LONGEST_STEP.as_secs_f64();
-        let drop = (too_slow.log2() / 2.0).ceil().max(1.0) as u8;
-        let preview = Level(shown.0.saturating_sub(drop)).max(home);
-        if preview < shown {
-            document.begin_preview(preview);
-            self.scenery.replace_surface();
-        }
-    }
-
-    fn edit(&mut self, ctx: &egui::Context, edit: Edit) {
+    pub(super) fn edit(&mut self, ctx: &egui::Context, edit: Edit) {
         self.on_session(ctx, edit.to_string(), move |session| {
             session.edit(edit).map(Some).map_err(|e| e.to_string())
         });
@@ -251,10 +203,13 @@ impl Editor {
         }
     }
 
-    fn follow(&mut self, changes: &Changes) {
+    pub(super) fn follow(&mut self, changes: &Changes) {
         if let Some(document) = &mut self.document {
             let runs = document.follow(changes);
             self.scenery.moved(runs);
+            if changes.masked != Moved::Nothing {
+                self.scenery.masked();
+            }
             if let Some(failure) = document.session.journal_failure() {
                 self.fail(format!("Edits no longer reach the log ({failure}); save under another name"));
             }
@@ -346,6 +301,8 @@ impl Editor {
         self.document = Some(document);
         self.scenery.replace_surface();
         self.tool = Default::default();
+        self.brush = Default::default();
+        self.last_stroke = None;
         self.banner = (!notes.is_empty()).then(|| Banner { text: notes.join("\n"), failed: false });
     }
 

@@ -7,6 +7,7 @@
 mod choices;
 mod chooser;
 pub mod command;
+mod cursor;
 mod dialog;
 mod document;
 mod execute;
@@ -17,6 +18,7 @@ mod scenery;
 mod settings;
 mod shortcuts;
 mod start;
+mod stroking;
 mod theme;
 mod tools;
 mod viewport;
@@ -26,8 +28,9 @@ pub use choices::{ImportChoices, ImportFrom};
 pub use chooser::{FileChooser, Purpose, SystemChooser};
 pub use document::{Document, Target};
 pub use preview::{Facts, Preview, PreviewView};
-pub use settings::Settings;
+pub use settings::{Hand, Navigation, Settings};
 pub use start::{Start, run};
+pub use tools::{PenInput, RecordedPen, TouchPen};
 
 use crate::render::{Camera, GpuError, Samples, Style, Viewport};
 use command::Command;
@@ -37,7 +40,8 @@ use importing::ReadMesh;
 use panels::{Banner, Seen};
 use scenery::{Scenery, Shown};
 use std::path::Path;
-use tools::HandleTool;
+use stroking::Trace;
+use tools::{BrushTool, HandleTool};
 use viewport::{Picture, Turning};
 use worker::Work;
 
@@ -56,6 +60,13 @@ pub struct Editor {
     settings: Settings,
     camera: Camera,
     tool: HandleTool,
+    brush: BrushTool,
+    /// Where the brush is that trails behind the cursor.
+    trailing: Option<glam::DVec2>,
+    /// Where copied detail comes from, in model units.
+    copy_from: Option<[f64; 3]>,
+    last_stroke: Option<Trace>,
+    pen: Box<dyn PenInput>,
     turning: Option<Turning>,
     viewport: Viewport,
     scenery: Scenery,
@@ -97,6 +108,11 @@ impl Editor {
             settings: Settings::default(),
             camera: Camera::default(),
             tool: HandleTool::default(),
+            brush: BrushTool::default(),
+            trailing: None,
+            copy_from: None,
+            last_stroke: None,
+            pen: Box::new(TouchPen::default()),
             turning: None,
             viewport: Viewport::new(state, samples)?,
             scenery: Scenery::default(),
@@ -107,7 +123,7 @@ impl Editor {
             read: None,
             preview: None,
             chooser,
-            picture: Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(968.0, 772.0)),
+            picture: Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(924.0, 772.0)),
             refit: false,
             leaving: false,
             title: String::new(),
@@ -128,6 +144,11 @@ impl Editor {
     /// What was converted and not opened yet.
     pub fn preview(&self) -> Option<&Preview> {
         self.preview.as_ref()
+    }
+
+    /// Takes pressure from another pen.
+    pub fn set_pen(&mut self, pen: Box<dyn PenInput>) {
+        self.pen = pen;
     }
 
     /// The choices.
@@ -155,6 +176,18 @@ impl Editor {
         self.work.is_some()
     }
 
+    /// Whether a tool's drag or stroke is under way.
+    fn is_dragging(&self) -> bool {
+        self.tool.drag().is_some() || self.brush.is_stroking()
+    }
+
+    fn hint(&self) -> String {
+        match self.settings.hand {
+            Hand::Handle | Hand::Grab if !self.brush.is_choosing() => self.tool.hint(),
+            _ => self.brush.hint(&self.settings),
+        }
+    }
+
     fn panels(&mut self, ui: &mut egui::Ui) -> Vec<Command> {
         let mut commands = Vec::new();
         let seen = Seen {
@@ -162,7 +195,7 @@ impl Editor {
             settings: &self.settings,
             hint: match &self.preview {
                 Some(preview) => preview.hint(),
-                None => self.tool.hint(),
+                None => self.hint(),
             },
             work: self.work.as_ref(),
             dialog: self.dialog.as_ref(),
@@ -178,18 +211,26 @@ impl Editor {
             .exact_size(STRIP_WIDTH)
             .frame(frame.inner_margin(egui::Margin::symmetric(2, 0)))
             .show(ui, |ui| commands.extend(panels::strip(ui, &seen)));
-        egui::Panel::right("inspector")
+        egui::Panel::left("tools")
             .resizable(false)
-            .exact_size(INSPECTOR_WIDTH)
-            .frame(frame.inner_margin(egui::Margin::symmetric(12, 4)))
-            .show(ui, |ui| {
-                egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-                    commands.extend(match seen.preview {
-                        Some(preview) => panels::preview(ui, preview),
-                        None => panels::inspector(ui, &seen),
+            .exact_size(STRIP_WIDTH)
+            .frame(frame.inner_margin(egui::Margin::symmetric(2, 0)))
+            .show(ui, |ui| commands.extend(panels::toolbar(ui, &seen)));
+        let inspector = seen.settings.inspector || seen.preview.is_some();
+        if inspector {
+            egui::Panel::right("inspector")
+                .resizable(false)
+                .exact_size(INSPECTOR_WIDTH)
+                .frame(frame.inner_margin(egui::Margin::symmetric(12, 4)))
+                .show(ui, |ui| {
+                    egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+                        commands.extend(match seen.preview {
+                            Some(preview) => panels::preview(ui, preview),
+                            None => panels::inspector(ui, &seen),
+                        });
                     });
                 });
-            });
+        }
         commands.extend(panels::dialogs(ui.ctx(), &seen));
         commands.extend(panels::banner(ui.ctx(), self.picture, self.banner.as_ref()));
         commands
@@ -210,6 +251,10 @@ impl Editor {
             settings: &self.settings,
             camera: &self.camera,
             tool: &mut self.tool,
+            brush: &mut self.brush,
+            trailing: &mut self.trailing,
+            copy_from: &mut self.copy_from,
+            pen: &mut *self.pen,
             turning: &mut self.turning,
             viewport: &self.viewport,
             style,
@@ -287,7 +332,7 @@ impl eframe::App for Editor {
         self.take_chosen_file();
         let mut commands = Vec::new();
         if self.dialog.is_none() && self.work.is_none() {
-            let keys = shortcuts::shortcuts(&ctx, &self.settings).into_iter();
+            let keys = shortcuts::shortcuts(&ctx, &self.settings, self.is_dragging()).into_iter();
             commands.extend(keys.filter(|key| self.preview.is_none() || key.only_looks()));
         }
         commands.extend(self.dropped_file(&ctx));

@@ -1,7 +1,7 @@
 //! Keeps the renderer's buffers in step with document and choices, uploading only what changed.
 
 use super::document::{Document, Target};
-use super::settings::Settings;
+use super::settings::{Hand, Settings};
 use crate::display::{Influence, support_border, tints};
 use crate::render::{GhostMesh, GpuError, Handle, HandleState, Line, SurfaceRenderer};
 use bozzetto_core::edit::Kind;
@@ -17,6 +17,7 @@ const HANDLE_FILL: [u8; 4] = [240, 234, 224, 255];
 const WAVELET_FILL: [u8; 4] = [150, 196, 240, 255];
 const RIM: [u8; 4] = [34, 30, 30, 255];
 const HELD_FILL: [u8; 4] = [246, 150, 70, 255];
+const MASKED: [u8; 3] = [22, 20, 34];
 const OUTLINE: [u8; 4] = [252, 246, 236, 220];
 
 /// What is drawn.
@@ -51,6 +52,11 @@ impl Scenery {
     pub(super) fn moved(&mut self, runs: Vec<Range<u32>>) {
         self.overlays |= !runs.is_empty();
         self.runs.extend(runs);
+    }
+
+    /// The mask changed.
+    pub(super) fn masked(&mut self) {
+        self.tinted_for = None;
     }
 
     /// Writes what changed. Cost: what changed; overlays are bounded in size.
@@ -123,8 +129,14 @@ impl Scenery {
     fn update_tints(&mut self, renderer: &mut SurfaceRenderer, scene: &Shown<'_>) -> Result<(), GpuError> {
         let Shown { document, settings, painted } = *scene;
         let shown = document.vertices().level();
-        let key =
-            (settings.kind, settings.level, shown, settings.selected, settings.support, painted.is_some());
+        let key = (
+            settings.kind,
+            settings.level,
+            shown,
+            settings.selected.filter(|_| settings.hand == Hand::Handle),
+            settings.support,
+            painted.is_some(),
+        );
         if self.tinted_for == Some(key) {
             return Ok(());
         }
@@ -133,7 +145,13 @@ impl Scenery {
         if let Some(tints) = painted {
             renderer.write_tints(0, tints)?;
         }
-        if let Some(id) = settings.selected.filter(|_| settings.support)
+        if painted.is_none() {
+            for (start, run) in consecutive(mask_tints(document)) {
+                renderer.write_tints(start, &run)?;
+            }
+        }
+        let handle = settings.hand == Hand::Handle;
+        if let Some(id) = settings.selected.filter(|_| settings.support && handle)
             && let Some(influence) =
                 Influence::of(document.surface(), settings.kind, settings.level, id, shown)
         {
@@ -200,7 +218,7 @@ fn handles(document: &Document, settings: &Settings, held: Option<Target>, dense
     let belongs = |site| settings.kind == Kind::Scaling || Layout::coarsen(site).is_none();
     let slot_of = |site| hierarchy.refine_slot(home, shown, layout.slot(site));
     let mut slots: Vec<Slot> = Vec::new();
-    if settings.handles {
+    if settings.handles && settings.hand == Hand::Handle {
         if !dense && layout.len() <= MOST_HANDLES {
             slots
                 .extend((0..layout.len()).map(|s| layout.site(Slot(s))).filter(|&s| belongs(s)).map(slot_of));
@@ -209,7 +227,9 @@ fn handles(document: &Document, settings: &Settings, held: Option<Target>, dense
             slots.extend(near.into_iter().filter(|&s| belongs(s)).map(slot_of));
         }
     }
-    let selected = settings.selected.and_then(|id| document.target(settings.kind, settings.level, id));
+    let selected = settings.selected.filter(|_| settings.hand == Hand::Handle);
+    let selected = selected.and_then(|id| document.target(settings.kind, settings.level, id));
+    let held = held.filter(|_| settings.hand == Hand::Handle);
     slots.extend(selected.iter().chain(&held).map(|t| t.slot));
     slots.sort_unstable();
     slots.dedup();
@@ -230,6 +250,23 @@ fn handles(document: &Document, settings: &Settings, held: Option<Target>, dense
                 rim: RIM,
                 state,
             }
+        })
+        .collect()
+}
+
+/// Dark where the mask keeps the brushes off.
+fn mask_tints(document: &Document) -> Vec<(Slot, [u8; 4])> {
+    let surface = document.surface();
+    if surface.mask().values().is_empty() {
+        return Vec::new();
+    }
+    let (shown, hierarchy) = (document.vertices().level(), surface.hierarchy());
+    let [r, g, b] = MASKED;
+    (0..hierarchy.layout(shown).len())
+        .map(Slot)
+        .filter_map(|slot| {
+            let value = surface.mask().value(hierarchy.refine_slot(shown, surface.finest(), slot));
+            (value > 0).then(|| (slot, [r, g, b, (u16::from(value) * 3 / 4) as u8]))
         })
         .collect()
 }

@@ -2,8 +2,48 @@
 
 use super::command::Overlay;
 use crate::render::Shading;
-use bozzetto_core::edit::{Falloff, Kind};
+use bozzetto_core::edit::{Falloff, Kind, Mirror, Spread, Tool};
 use bozzetto_core::hierarchy::{Level, PublicId};
+
+/// What is in the hand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Hand {
+    /// Drags the nearest coefficient.
+    Handle,
+    /// Drags the place under the cursor, as far round as the brush reaches.
+    Grab,
+    /// A brush.
+    Brush(Tool),
+}
+
+impl Hand {
+    /// Its name as people read it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Hand::Handle => "Handle",
+            Hand::Grab => "Grab",
+            Hand::Brush(tool) => tool.name(),
+        }
+    }
+}
+
+/// How the mouse moves the camera, after the habits of other programs. Dragging the background always orbits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Navigation {
+    /// Middle: orbit, with Shift pan, with Ctrl zoom. Right: pan.
+    #[default]
+    Blender,
+    /// Alt with left: orbit, middle: pan, right: zoom.
+    Maya,
+    /// Right: orbit, with Alt pan, with Ctrl zoom; Alt with the left on the background: pan.
+    ZBrush,
+}
+
+impl Navigation {
+    /// All of them with their names.
+    pub const ALL: [(Navigation, &'static str); 3] =
+        [(Navigation::Blender, "Blender"), (Navigation::Maya, "Maya"), (Navigation::ZBrush, "ZBrush")];
+}
 
 /// The editor's choices.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +60,30 @@ pub struct Settings {
     pub radius: f64,
     /// How a move fades.
     pub falloff: Falloff,
+    /// What is in the hand.
+    pub hand: Hand,
+    /// The brush's radius as a fraction of the model's.
+    pub brush_radius: f64,
+    /// The brush's strength.
+    pub strength: f64,
+    /// Mirror planes across x, y and z through the model's middle.
+    pub symmetry: [bool; 3],
+    /// How handles bend finer levels.
+    pub spread: Spread,
+    /// Finer detail turns with what handles and grabs bend.
+    pub follow: bool,
+    /// The brush's radius chooses the level.
+    pub auto_level: bool,
+    /// How far, in points, the brush trails behind the cursor; 0: not at all.
+    pub steady: f64,
+    /// A pen's pressure acts on the strength.
+    pub pressure_strength: bool,
+    /// A pen's pressure acts on the radius.
+    pub pressure_radius: bool,
+    /// How the mouse moves the camera.
+    pub navigation: Navigation,
+    /// The inspector is shown.
+    pub inspector: bool,
     /// The shading.
     pub shading: Shading,
     /// The level's edges are drawn.
@@ -41,6 +105,18 @@ impl Default for Settings {
             selected: None,
             radius: 0.0,
             falloff: Falloff::Smooth,
+            hand: Hand::Handle,
+            brush_radius: 0.12,
+            strength: 0.5,
+            symmetry: [false; 3],
+            spread: Spread::Smooth,
+            follow: true,
+            auto_level: false,
+            steady: 0.0,
+            pressure_strength: true,
+            pressure_radius: false,
+            navigation: Navigation::Blender,
+            inspector: true,
             shading: Shading::Clay,
             edges: true,
             handles: true,
@@ -92,6 +168,23 @@ impl Settings {
             ));
         }
         note
+    }
+
+    /// The mirror planes in model units, through a point; none without symmetry.
+    pub fn mirror(&self, middle: [f64; 3]) -> Option<Mirror> {
+        let at = |axis: usize| self.symmetry[axis].then_some(middle[axis]);
+        let mirror = Mirror { x: at(0), y: at(1), z: at(2) };
+        (!mirror.is_none()).then_some(mirror)
+    }
+
+    /// The level whose triangles are about a quarter of the brush's radius, where there are `vertices` by level on a model
+    /// of radius 1.
+    pub fn level_for_radius(&self, vertices: impl Iterator<Item = u32>) -> Level {
+        let spacing = |n: u32| (4.0 * std::f64::consts::PI / f64::from(n)).sqrt();
+        let fine_enough = |n: &u32| spacing(*n) <= 0.25 * self.brush_radius;
+        let counts: Vec<u32> = vertices.collect();
+        let level = counts.iter().position(|n| fine_enough(n)).unwrap_or(counts.len() - 1);
+        Level(level as u8)
     }
 
     /// Switches an overlay.

@@ -2,13 +2,33 @@
 
 use super::command::Command;
 use super::dialog::{Dialog, PathTask};
-use super::settings::Settings;
+use super::settings::{Hand, Settings};
 use crate::render::View;
-use bozzetto_core::edit::Kind;
+use bozzetto_core::edit::{Kind, Tool};
 use egui::{Key, Modifiers};
 
+/// What the brackets multiply the brush's radius by.
+const SIZE_STEP: f64 = 1.15;
+
+/// Keys of the tools.
+const TOOLS: [(Key, Hand); 13] = [
+    (Key::H, Hand::Handle),
+    (Key::G, Hand::Grab),
+    (Key::V, Hand::Brush(Tool::Draw)),
+    (Key::C, Hand::Brush(Tool::Clay)),
+    (Key::I, Hand::Brush(Tool::Inflate)),
+    (Key::S, Hand::Brush(Tool::Smooth)),
+    (Key::A, Hand::Brush(Tool::Sharpen)),
+    (Key::T, Hand::Brush(Tool::Flatten)),
+    (Key::P, Hand::Brush(Tool::Pinch)),
+    (Key::R, Hand::Brush(Tool::Crease)),
+    (Key::E, Hand::Brush(Tool::Erase)),
+    (Key::K, Hand::Brush(Tool::Copy)),
+    (Key::M, Hand::Brush(Tool::Mask)),
+];
+
 /// The commands of the keys pressed. Off while text is typed.
-pub(super) fn shortcuts(ctx: &egui::Context, settings: &Settings) -> Vec<Command> {
+pub(super) fn shortcuts(ctx: &egui::Context, settings: &Settings, dragging: bool) -> Vec<Command> {
     if ctx.egui_wants_keyboard_input() {
         return Vec::new();
     }
@@ -36,11 +56,23 @@ pub(super) fn shortcuts(ctx: &egui::Context, settings: &Settings) -> Vec<Command
         (Modifiers::NONE, Key::Num1, Command::Look(View::FRONT)),
         (Modifiers::NONE, Key::Num3, Command::Look(View::RIGHT)),
         (Modifiers::NONE, Key::Num7, Command::Look(View::TOP)),
-        (Modifiers::NONE, Key::Period, Command::Fit),
+        (Modifiers::NONE, Key::Period, Command::FrameStroke),
+        (Modifiers::NONE, Key::Home, Command::Fit),
+        (Modifiers::NONE, Key::N, Command::ToggleInspector),
+        (Modifiers::NONE, Key::OpenBracket, Command::SetBrushRadius(settings.brush_radius / SIZE_STEP)),
+        (Modifiers::NONE, Key::CloseBracket, Command::SetBrushRadius(settings.brush_radius * SIZE_STEP)),
         (Modifiers::NONE, Key::F1, Command::Ask(Dialog::Keys)),
     ];
     let pressed = |(modifiers, key, command): (Modifiers, Key, Command)| {
         ctx.input_mut(|input| input.consume_key(modifiers, key)).then_some(command)
     };
-    keys.into_iter().filter_map(pressed).collect()
+    let mut commands: Vec<Command> = keys.into_iter().filter_map(pressed).collect();
+    if !dragging {
+        // While something is dragged these keep it to an axis.
+        let axes = [(Key::X, 0), (Key::Y, 1), (Key::Z, 2)];
+        let axes = axes.map(|(key, axis)| (Modifiers::NONE, key, Command::ToggleSymmetry(axis)));
+        let tools = TOOLS.map(|(key, hand)| (Modifiers::NONE, key, Command::Take(hand)));
+        commands.extend(axes.into_iter().chain(tools).filter_map(pressed));
+    }
+    commands
 }

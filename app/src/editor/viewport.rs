@@ -1,12 +1,16 @@
 //! The picture of the surface in the window: what the mouse does over it, and what is written beside the cursor.
 
 use super::command::Command;
+use super::cursor::{self, Look};
 use super::document::{Document, Target};
-use super::settings::Settings;
-use super::tools::{Axis, HandleEvent, HandleTool};
+use super::settings::{Hand, Navigation, Settings};
+use super::tools::{
+    Axis, BrushEvent, BrushTool, Choice, HandleEvent, HandleTool, Held, Hold, PenInput, Touch, trailed,
+};
 use crate::render::{Camera, Style, Viewport};
+use bozzetto_core::edit::Tool;
 use egui::{Event, Key, PointerButton, Rect, Ui};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// What the picture needs of the editor.
 pub(super) struct Picture<'a> {
@@ -18,6 +22,14 @@ pub(super) struct Picture<'a> {
     pub camera: &'a Camera,
     /// The tool in the hand.
     pub tool: &'a mut HandleTool,
+    /// The brush in the hand.
+    pub brush: &'a mut BrushTool,
+    /// Where the brush is that trails behind the cursor.
+    pub trailing: &'a mut Option<DVec2>,
+    /// Where copied detail comes from.
+    pub copy_from: &'a mut Option<[f64; 3]>,
+    /// The pen.
+    pub pen: &'a mut dyn PenInput,
     /// The drag of the camera under way.
     pub turning: &'a mut Option<Turning>,
     /// The renderer.
@@ -35,6 +47,25 @@ pub(super) enum Turning {
     Orbit,
     /// Across the picture.
     Pan,
+    /// Nearer and farther.
+    Zoom,
+}
+
+/// What a button other than the left does to the camera; the left turns it with Alt and on the background.
+fn turning(navigation: Navigation, button: PointerButton, held: egui::Modifiers) -> Option<Turning> {
+    Some(match (navigation, button) {
+        (Navigation::Blender, PointerButton::Middle) if held.ctrl => Turning::Zoom,
+        (Navigation::Blender, PointerButton::Middle) if held.shift => Turning::Pan,
+        (Navigation::Blender, PointerButton::Middle) => Turning::Orbit,
+        (Navigation::Blender, _) => Turning::Pan,
+        (Navigation::Maya, PointerButton::Middle) => Turning::Pan,
+        (Navigation::Maya, _) if held.alt => Turning::Zoom,
+        (Navigation::Maya, _) => Turning::Pan,
+        (Navigation::ZBrush, PointerButton::Middle) => Turning::Pan,
+        (Navigation::ZBrush, _) if held.alt => Turning::Pan,
+        (Navigation::ZBrush, _) if held.ctrl => Turning::Zoom,
+        (Navigation::ZBrush, _) => Turning::Orbit,
+    })
 }
 
 /// Points of dragging for a half turn.
@@ -55,8 +86,14 @@ pub(super) fn picture(ui: &mut Ui, mut picture: Picture<'_>) -> (Rect, Vec<Comma
     if picture.listening {
         let over = response.contains_pointer();
         commands.extend(picture.camera_drag(ui, rect, over));
-        commands.extend(picture.hand(ui, rect, over));
+        let choosing = picture.brush.is_choosing();
+        commands.extend(match picture.settings.hand {
+            Hand::Handle | Hand::Grab if !choosing => picture.hand(ui, rect, over),
+            _ => picture.paint(ui, rect, over),
+        });
+        commands.extend(picture.choose(ui, rect, over));
     }
+    picture.ring(ui, rect);
     picture.caption(ui, rect);
     (rect, commands)
 }
@@ -68,17 +105,25 @@ impl Picture<'_> {
         let mut commands = Vec::new();
         ui.input(|input| {
             let pointer = &input.pointer;
-            let (shift, alt) = (input.modifiers.shift, input.modifiers.alt);
+            let alt = input.modifiers.alt;
             let held = |button| pointer.button_down(button);
-            if over && self.turning.is_none() && self.tool.drag().is_none() && pointer.any_pressed() {
-                *self.turning = if pointer.button_pressed(PointerButton::Secondary) {
-                    Some(Turning::Pan)
-                } else if pointer.button_pressed(PointerButton::Middle) {
-                    Some(if shift { Turning::Pan } else { Turning::Orbit })
-                } else if pointer.primary_pressed()
-                    && (alt || self.target(pointer.interact_pos(), rect).is_none())
-                {
-                    Some(Turning::Orbit)
+            let busy = self.tool.drag().is_some() || self.brush.is_stroking() || self.brush.is_choosing();
+            if over && self.turning.is_none() && !busy && pointer.any_pressed() {
+                let pressed = |button| pointer.button_pressed(button);
+                let beside = || self.target(pointer.interact_pos(), rect).is_none();
+                let modifiers = input.modifiers;
+                *self.turning = if pressed(PointerButton::Secondary) {
+                    turning(self.settings.navigation, PointerButton::Secondary, modifiers)
+                } else if pressed(PointerButton::Middle) {
+                    turning(self.settings.navigation, PointerButton::Middle, modifiers)
+                } else if pressed(PointerButton::Primary) {
+                    let copying = self.settings.hand == Hand::Brush(Tool::Copy) && alt && !beside();
+                    match (alt, copying) {
+                        (_, true) => None,
+                        (true, _) if self.settings.navigation == Navigation::ZBrush => Some(Turning::Pan),
+                        (true, _) => Some(Turning::Orbit),
+                        (false, _) => beside().then_some(Turning::Orbit),
+                    }
                 } else {
                     None
                 };
@@ -93,6 +138,9 @@ impl Picture<'_> {
             match *self.turning {
                 Some(Turning::Orbit) if moved != DVec2::ZERO => commands.push(Command::Orbit(moved)),
                 Some(Turning::Pan) if moved != DVec2::ZERO => commands.push(Command::Pan(moved)),
+                Some(Turning::Zoom) if moved != DVec2::ZERO => {
+                    commands.push(Command::Zoom((moved.y * 0.008).exp(), size * 0.5));
+                }
                 _ => {}
             }
             let scroll = f64::from(input.smooth_scroll_delta().y);
@@ -131,7 +179,11 @@ impl Picture<'_> {
                         if free =>
                     {
                         if let Some(target) = self.target(pos, rect) {
-                            events.push(HandleEvent::Press(target, at(pos)));
+                            let hold = match self.settings.hand {
+                                Hand::Grab => Hold::Place,
+                                _ => Hold::Coefficient,
+                            };
+                            events.push(HandleEvent::Press(target, at(pos), hold));
                         }
                     }
                     Event::PointerButton { pos, button: PointerButton::Primary, pressed: false, .. } => {
@@ -168,9 +220,151 @@ impl Picture<'_> {
         let (document, at) = (self.document?, at.into()?);
         let ray = self.camera.ray(points(at - rect.min), points(rect.size()));
         let hit = document.pick(&ray)?;
+        if self.settings.hand != Hand::Handle {
+            return Some(document.place_at(&hit));
+        }
         let target = document.target_at(&hit, self.settings.kind, self.settings.level);
         let exists = self.settings.shown >= self.settings.level;
         exists.then_some(target)
+    }
+
+    /// The place under a point of the picture.
+    fn touch(&self, at: DVec2, rect: Rect) -> Option<Touch> {
+        let document = self.document?;
+        let hit = document.pick(&self.camera.ray(at, points(rect.size())))?;
+        Some(Touch { point: hit.point, normal: document.normal_at(&hit) })
+    }
+
+    /// The brush's radius in drawing space.
+    fn radius(&self) -> f64 {
+        self.document.map_or(1.0, |d| self.settings.brush_radius * d.sphere().radius)
+    }
+
+    fn brushed(&mut self, event: BrushEvent) -> Vec<Command> {
+        let radius = self.radius();
+        self.brush.on(event, self.settings, radius)
+    }
+
+    /// The brush's events. Between two places of the cursor the brush goes straight over the picture.
+    fn paint(&mut self, ui: &Ui, rect: Rect, over: bool) -> Vec<Command> {
+        let at = |pos: egui::Pos2| points(pos - rect.min);
+        let (events, modifiers, latest, down, escape) = ui.input(|i| {
+            let escape = i.key_pressed(Key::Escape);
+            (i.events.clone(), i.modifiers, i.pointer.latest_pos(), i.pointer.primary_down(), escape)
+        });
+        let free = over && self.turning.is_none();
+        let mut commands = Vec::new();
+        if !self.brush.is_stroking() && !self.brush.is_choosing() {
+            let hovered = latest.filter(|_| free).and_then(|pos| self.touch(at(pos), rect));
+            commands.extend(self.brushed(BrushEvent::Hover(hovered)));
+        }
+        for event in events {
+            match event {
+                Event::Touch { force, .. } => self.pen.heard(force),
+                Event::PointerMoved(pos) if self.brush.is_stroking() => {
+                    commands.extend(self.go_on(at(pos), rect));
+                }
+                Event::PointerButton { pos, button: PointerButton::Primary, pressed: true, .. }
+                    if free && !self.brush.is_choosing() =>
+                {
+                    let Some(touch) = self.touch(at(pos), rect) else { continue };
+                    if self.settings.hand == Hand::Brush(Tool::Copy) && modifiers.alt {
+                        *self.copy_from = self.document.map(|d| d.model_place(touch.point));
+                        continue;
+                    }
+                    if modifiers.alt {
+                        continue;
+                    }
+                    *self.trailing = Some(at(pos));
+                    let held = Held { shift: modifiers.shift, ctrl: modifiers.ctrl };
+                    commands.extend(self.brushed(BrushEvent::Press(touch, held)));
+                }
+                Event::PointerButton { button: PointerButton::Primary, pressed: false, .. } => {
+                    commands.extend(self.brushed(BrushEvent::Release));
+                }
+                _ => {}
+            }
+        }
+        if self.brush.is_stroking() && escape {
+            commands.extend(self.brushed(BrushEvent::Escape));
+        }
+        if self.brush.is_stroking() && !down {
+            commands.extend(self.brushed(BrushEvent::Release));
+        }
+        commands
+    }
+
+    /// Takes the brush on to where the cursor is, in steps shorter than a dab's distance.
+    fn go_on(&mut self, cursor: DVec2, rect: Rect) -> Vec<Command> {
+        let from = self.trailing.unwrap_or(cursor);
+        let to = trailed(from, cursor, self.settings.steady);
+        *self.trailing = Some(to);
+        let pressure = self.pen.pressure();
+        let size = points(rect.size());
+        let place = self.brush.touch().map_or(self.camera.target, |touch| touch.point);
+        let pixel = self.camera.world_per_pixel_at(place, size).max(1e-12);
+        let step = (0.1 * self.radius() / pixel).max(1.0);
+        let count = ((to - from).length() / step).ceil().clamp(1.0, 400.0);
+        let mut commands = Vec::new();
+        for k in 1..=count as u32 {
+            if let Some(touch) = self.touch(from + (to - from) * (f64::from(k) / count), rect) {
+                commands.extend(self.brushed(BrushEvent::Move(touch, pressure)));
+            }
+        }
+        commands
+    }
+
+    /// Radius and strength by moving.
+    fn choose(&mut self, ui: &Ui, rect: Rect, over: bool) -> Vec<Command> {
+        let (cursor, f, shift, clicked, away) = ui.input(|i| {
+            let pointer = &i.pointer;
+            let away = i.key_pressed(Key::Escape) || pointer.button_pressed(PointerButton::Secondary);
+            (pointer.latest_pos(), i.key_pressed(Key::F), i.modifiers.shift, pointer.primary_pressed(), away)
+        });
+        let Some(cursor) = cursor.map(|pos| points(pos - rect.min)) else { return Vec::new() };
+        if self.brush.is_choosing() {
+            if away {
+                return self.brushed(BrushEvent::Escape);
+            }
+            let mut commands = self.brushed(BrushEvent::Slide(cursor));
+            if clicked {
+                commands.extend(self.brushed(BrushEvent::Confirm));
+            }
+            return commands;
+        }
+        let dragging = self.brush.is_stroking() || self.tool.drag().is_some();
+        if f && over && !dragging && !ui.ctx().egui_wants_keyboard_input() {
+            if self.brush.touch().is_none() {
+                let hovered = self.touch(cursor, rect);
+                self.brushed(BrushEvent::Hover(hovered));
+            }
+            let choice = if shift { Choice::Strength } else { Choice::Radius };
+            return self.brushed(BrushEvent::Choose(choice, cursor));
+        }
+        Vec::new()
+    }
+
+    /// The brush's ring, or the grab's.
+    fn ring(&self, ui: &Ui, rect: Rect) {
+        let Some(document) = self.document else { return };
+        let touch = match self.settings.hand {
+            Hand::Handle if !self.brush.is_choosing() => None,
+            Hand::Grab if !self.brush.is_choosing() => self.tool.target().map(|target| {
+                let moved = self.tool.drag().map_or(DVec3::ZERO, |drag| drag.moved);
+                Touch { point: target.position + moved, normal: target.normal }
+            }),
+            _ => self.brush.touch(),
+        };
+        let Some(touch) = touch else { return };
+        let (shift, ctrl) = ui.input(|i| (i.modifiers.shift, i.modifiers.ctrl));
+        let brush = matches!(self.settings.hand, Hand::Brush(_)) && !self.brush.is_choosing();
+        let look = match (brush && shift, brush && ctrl) {
+            (true, _) => Look::Smoothing,
+            (_, true) => Look::Inverted,
+            _ => Look::Plain,
+        };
+        let painter = ui.painter().with_clip_rect(rect);
+        cursor::ring(&painter, rect, self.camera, (document, self.settings), touch, look);
     }
 
     /// Distance by the cursor while dragging.

@@ -1,6 +1,7 @@
 //! The inspector on the right: level, coefficient, display, history.
 
 use super::Seen;
+use super::hand::hand;
 use crate::editor::command::{Command, Overlay};
 use crate::editor::document::Document;
 use crate::editor::settings::Settings;
@@ -20,6 +21,9 @@ pub(crate) fn inspector(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
     };
     ui.add_enabled_ui(seen.work.is_none(), |ui| {
         ui.add_space(4.0);
+        section(ui, seen.settings.hand.name(), |ui| {
+            hand(ui, seen.settings, !document.surface().mask().is_unused(), &mut commands);
+        });
         section(ui, "Level", |ui| levels(ui, document, seen.settings, &mut commands));
         section(ui, "Coefficient", |ui| coefficient(ui, document, seen.settings, &mut commands));
         section(ui, "Display", |ui| display(ui, document, seen.settings, &mut commands));
@@ -215,7 +219,7 @@ fn history(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command>) 
 }
 
 /// Narrow gaps, for rows of several choices.
-fn tighten(ui: &mut egui::Ui) {
+pub(super) fn tighten(ui: &mut egui::Ui) {
     ui.spacing_mut().item_spacing.x = 2.0;
     ui.spacing_mut().button_padding.x = 6.0;
 }

@@ -2,11 +2,13 @@
 
 mod banner;
 mod dialogs;
+mod hand;
 mod import;
 mod inspector;
 mod preview;
 mod status;
 mod strip;
+mod toolbar;
 
 pub(super) use banner::{Banner, banner};
 pub(super) use dialogs::dialogs;
@@ -14,6 +16,7 @@ pub(super) use inspector::inspector;
 pub(super) use preview::preview;
 pub(super) use status::status;
 pub(super) use strip::strip;
+pub(super) use toolbar::toolbar;
 
 use super::dialog::Dialog;
 use super::document::Document;

@@ -64,7 +64,7 @@ pub(crate) fn strip(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
         ui.add_space(4.0);
         ui.separator();
         ui.add_space(4.0);
-        button(ui, looking, Icon::Maximize, "Fit", "Fit the surface into the picture (.)", Command::Fit);
+        button(ui, looking, Icon::Maximize, "Fit", "Fit the surface into the picture (Home)", Command::Fit);
         button(
             ui,
             looking,

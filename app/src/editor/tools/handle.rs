@@ -27,13 +27,22 @@ impl Axis {
     }
 }
 
+/// What a drag takes hold of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Hold {
+    /// The coefficient.
+    Coefficient,
+    /// The place of the surface.
+    Place,
+}
+
 /// What happened.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum HandleEvent {
     /// The cursor is over a coefficient, or over none.
     Hover(Option<Target>),
     /// The button went down on a coefficient, at a point of the picture.
-    Press(Target, DVec2),
+    Press(Target, DVec2, Hold),
     /// The cursor is at a point of the picture; whether the drag follows the normal.
     Move(DVec2, bool),
     /// The button went up.
@@ -102,7 +111,7 @@ impl HandleTool {
                 vec![Command::CancelStroke]
             }
             (HandleTool::Dragging(_), _) => Vec::new(),
-            (_, HandleEvent::Press(target, cursor)) => {
+            (_, HandleEvent::Press(target, cursor, hold)) => {
                 let on_picture = camera.project(target.position, picture).unwrap_or(cursor);
                 let grip = cursor - on_picture;
                 *self = HandleTool::Dragging(Drag {
@@ -113,7 +122,15 @@ impl HandleTool {
                     before: false,
                 });
                 let Target { kind, level, vertex, .. } = target;
-                vec![Command::Select(Some(vertex)), Command::BeginStroke { kind, level: level.0, vertex }]
+                match hold {
+                    Hold::Place => vec![Command::BeginGrab(target.position)],
+                    Hold::Coefficient => {
+                        vec![
+                            Command::Select(Some(vertex)),
+                            Command::BeginStroke { kind, level: level.0, vertex },
+                        ]
+                    }
+                }
             }
             (_, HandleEvent::Hover(target)) => {
                 *self = target.map_or(HandleTool::Idle, HandleTool::Hovering);
@@ -231,7 +248,11 @@ mod tests {
         let target = target(0.5);
         let at = camera.project(target.position, PICTURE).expect("in view");
         let mut tool = HandleTool::default();
-        let begun = tool.on(HandleEvent::Press(target, at + DVec2::new(3.0, -2.0)), &camera, PICTURE);
+        let begun = tool.on(
+            HandleEvent::Press(target, at + DVec2::new(3.0, -2.0), Hold::Coefficient),
+            &camera,
+            PICTURE,
+        );
         assert!(matches!(begun.as_slice(), [Command::Select(_), Command::BeginStroke { level: 2, .. }]));
         let cursor = at + DVec2::new(43.0, 28.0);
         let delta = dragged(&mut tool, &camera, HandleEvent::Move(cursor, false));
@@ -245,7 +266,7 @@ mod tests {
         let target = target(1.0);
         let at = camera.project(target.position, PICTURE).expect("in view");
         let mut tool = HandleTool::default();
-        tool.on(HandleEvent::Press(target, at), &camera, PICTURE);
+        tool.on(HandleEvent::Press(target, at, Hold::Coefficient), &camera, PICTURE);
         tool.on(HandleEvent::Constrain(Axis::Z, DVec3::Y), &camera, PICTURE);
         let delta = dragged(&mut tool, &camera, HandleEvent::Move(at + DVec2::new(10.0, -50.0), false));
         assert!(delta.x == 0.0 && delta.z == 0.0 && delta.y > 0.0);
@@ -260,7 +281,7 @@ mod tests {
         let target = target(1.0);
         let at = camera.project(target.position, PICTURE).expect("in view");
         let mut tool = HandleTool::default();
-        tool.on(HandleEvent::Press(target, at), &camera, PICTURE);
+        tool.on(HandleEvent::Press(target, at, Hold::Coefficient), &camera, PICTURE);
         let delta = dragged(&mut tool, &camera, HandleEvent::Move(at + DVec2::splat(20.0), false));
         assert_eq!(dragged(&mut tool, &camera, HandleEvent::Before(true)), DVec3::ZERO);
         assert_eq!(dragged(&mut tool, &camera, HandleEvent::Before(false)), delta);
