@@ -13,7 +13,7 @@ import zlib
 from collections import defaultdict
 from fractions import Fraction
 
-BLOCK, LIMIT, U64 = 1 << 15, 1 << 27, (1 << 64) - 1
+LIMIT, U32, U64 = 1 << 27, (1 << 32) - 1, (1 << 64) - 1
 
 
 def require(condition, what):
@@ -26,22 +26,31 @@ def chunks(data):
     """Yields (type, critical, payload) up to the first chunk that is not whole."""
     require(data[:8] == b"\x89BOZ\r\n\x1a\n", "not a wavelet file")
     version, zero, crc = struct.unpack_from("<HHI", data, 8)
-    require(version == 1 and zero == 0 and crc == zlib.crc32(data[:12]), "the version is not known or damaged")
-    at = 16
-    while at + 28 <= len(data):
-        fields = data[at:at + 24]
-        kind, flags, packing, zero, raw_length, length, crc = struct.unpack_from("<4sBBHQQI", data, at)
-        require(crc == zlib.crc32(fields), f"byte {at}: the checksum of the chunk's header does not agree")
-        end = at + 28 + length
-        if end + 4 > len(data):
+    require(version == 2 and zero == 0 and crc == zlib.crc32(data[:12]), "the version is not known or damaged")
+    start = 16
+    while start < len(data):
+        at, lengths = start + 5, []
+        while len(lengths) < 1 + (at <= len(data) and data[start + 4] >> 1 & 1):
+            length = shift = 0
+            while at < len(data) and data[at] > 127:
+                length, shift, at = length | (data[at] & 127) << shift, shift + 7, at + 1
+            if at >= len(data):
+                return
+            lengths.append(length | data[at] << shift)
+            at += 1
+        fields, end = data[start:at], at + 2 + lengths[0] + 4
+        if at + 2 > len(data):
             return
-        payload = data[at + 28:end]
-        require(struct.unpack_from("<I", data, end)[0] == zlib.crc32(fields + payload), f"byte {at}: checksum")
-        require(flags in (0, 1) and packing in (0, 1) and zero == 0, f"byte {at}: a newer version's chunk")
-        payload = zlib.decompress(payload, -15) if packing else payload
-        require(len(payload) == raw_length, f"byte {at}: lengths do not agree")
-        yield kind, flags == 1, payload
-        at = end + 4
+        require(data[at:at + 2] == struct.pack("<I", zlib.crc32(fields))[:2], f"byte {start}: the header's checksum")
+        if end > len(data):
+            return
+        payload = data[at + 2:end - 4]
+        require(struct.unpack_from("<I", data, end - 4)[0] == zlib.crc32(fields + payload), f"byte {start}: checksum")
+        require(fields[4] < 4, f"byte {start}: a newer version's chunk")
+        payload = zlib.decompress(payload, -15) if len(lengths) > 1 else payload
+        require(len(payload) == lengths[-1], f"byte {start}: lengths do not agree")
+        yield fields[:4], fields[4] & 1 == 1, payload
+        start = end
 
 
 class Header:
@@ -49,29 +58,120 @@ class Header:
         self.scheme, self.wavelet, self.levels, self.precision, self.up, count = struct.unpack_from("<6B", data)
         texts, at = [], 6
         for _ in range(count + 1):
-            (length,) = struct.unpack_from("<H", data, at)
-            texts.append(data[at + 2:at + 2 + length].decode())
-            at += 2 + length
+            texts.append(data[at + 1:at + 1 + data[at]].decode())
+            at += 1 + data[at]
         *self.channels, self.unit = texts
-        *self.origin, self.step, self.vertices, self.faces = struct.unpack_from("<4dII", data, at)
-        self.hash = data[at + 40:]
+        numbers = "<4f" if data[at] else "<4d"
+        *self.origin, self.step = struct.unpack_from(numbers, data, at + 1)
+        at += 1 + struct.calcsize(numbers)
+        self.vertices, self.faces = struct.unpack_from("<II", data, at)
+        self.hash = data[at + 8:]
         require(self.scheme == 0 and self.wavelet <= 3 and self.up <= 2, "unknown scheme, wavelet or axis")
         require(self.levels <= 15 and 8 <= self.precision <= 25, "levels or precision out of range")
         require(self.channels == ["x", "y", "z"] and len(self.hash) == 16, "unknown channels or wrong length")
 
+# ---- "Range coder"
 
-def coefficients_from(data):
-    """Coefficients from byte planes."""
-    count, values = len(data) // 12, []
-    require(len(data) == 12 * count, "a block's length is no multiple of 12")
-    for at in range(count):
-        value = []
-        for channel in range(3):
-            word = int.from_bytes((data[(4 * channel + byte) * count + at] for byte in range(4)), "big")
-            value.append(word >> 1 if word % 2 == 0 else -(word >> 1) - 1)
-        require(all(abs(x) <= LIMIT for x in value), "a coefficient beyond the limit")
-        values.append(tuple(value))
-    return values
+class Missing(Exception):
+    """A bit that is not there."""
+
+
+class RangeDecoder:
+    def __init__(self, data):
+        self.data, self.at, self.range = data, 4, U32
+        self.code = int.from_bytes(data[:4].ljust(4, b"\0"), "big")
+
+    def normalise(self):
+        while self.range < 1 << 24:
+            self.range <<= 8
+            self.code = self.code << 8 & U32 | (self.data[self.at] if self.at < len(self.data) else 0)
+            self.at += 1
+
+    def bit(self, model):
+        bound = (self.range >> 16) * max(64, min(65472, model[0]))
+        bit = self.code < bound
+        if bit:
+            self.range = bound
+        else:
+            self.code, self.range = self.code - bound, self.range - bound
+        model[0] += ((65535 if bit else 0) - model[0]) * (65536 // (model[1] + 2)) >> 16
+        model[1] = min(model[1] + 1, 126)
+        self.normalise()
+        return bit
+
+    def raw(self, count):
+        if count > 16:
+            return self.raw(count - 16) << 16 | self.raw(16)
+        self.range >>= count
+        value = min(self.code // self.range, (1 << count) - 1)
+        self.code -= value * self.range
+        self.normalise()
+        return value
+
+    def check(self):
+        if self.at > len(self.data):
+            raise Missing
+
+# ---- "Base connectivity"
+
+def base_mesh(data, vertices, count):
+    """Faces and sharp edges."""
+    coder, faces, told, used, queue = RangeDecoder(data), [], set(), set(), []
+    is_open, lowest, number_bits = {}, [0], max(vertices - 1, 0).bit_length()
+    face_model, lowest_model = [65000, 4], [32768, 0]
+    answers = [[[32768, 0] for _ in range(3)] for _ in range(4)]
+
+    def number():
+        return coder.raw(number_bits)
+
+    def unused():
+        while lowest[0] in used:
+            lowest[0] += 1
+        v = lowest[0] if coder.bit(lowest_model) else number()
+        used.add(v)
+        return v
+
+    def third(a, b):
+        x = next((end for start, end in reversed(is_open) if start == b), None)
+        y = next((start for start, end in reversed(is_open) if end == a), None)
+        context = 3 if x is not None and x == y else (x is not None) + (y is not None)
+        if coder.bit(answers[context][0]):
+            return unused()
+        if x is not None and coder.bit(answers[context][1]):
+            return x
+        if y is not None and x != y and coder.bit(answers[context][2]):
+            return y
+        return number()
+
+    while len(faces) < count:
+        if queue:
+            a, b = queue.pop(0)
+            if (a, b) in told:
+                continue
+            is_open.pop((a, b), None)
+            if not coder.bit(face_model):
+                coder.check()
+                continue
+            face = (a, b, third(a, b))
+        else:
+            face = tuple(unused() if coder.bit(answers[0][0]) else number() for _ in range(3))
+        coder.check()
+        require(len(set(face)) == 3 and max(face) < vertices, "a base face that is none")
+        for k in range(3):
+            v, w = face[k], face[(k + 1) % 3]
+            require((v, w) not in told, "an edge told twice")
+            told.add((v, w))
+            is_open.pop((v, w), None)
+            if (w, v) not in told:
+                is_open[w, v] = True
+                queue.append((w, v))
+        faces.append(face)
+    faces = sorted(face[k:] + face[:k] for face in faces for k in [face.index(min(face))])
+    model, sharp = [32768, 0], []
+    if coder.raw(1):
+        sharp = [e for e in sorted({tuple(sorted(e)) for e in told}) if coder.bit(model)]
+    coder.check()
+    return faces, sharp
 
 # ---- "Base mesh", "Hierarchy" and "Numbering"
 
@@ -219,6 +319,213 @@ def synthesise(base, j, coarser, details, wavelet):
         finer[i] = [wrap(d + ((a + b) >> 1)) for d, a, b in zip(details[i], finer[u], finer[w])]
     return finer
 
+# ---- "Stream"
+
+def quotient(x, y):
+    return x // y if (x < 0) == (y < 0) else -(-x // y)
+
+
+class Frame:
+    def __init__(self, normal):
+        self.a = max(range(3), key=lambda c: abs(normal[c]))
+        most = abs(normal[self.a])
+        self.p = self.q = self.P = self.Q = 0
+        self.reversed = normal[self.a] < 0
+        if most:
+            shift = max(most.bit_length() - 31, 0)
+            a, b, c = (normal[(self.a + k) % 3] >> shift for k in range(3))
+            self.p, self.q = quotient(b << 14, a), quotient(c << 14, a)
+            square = (1 << 28) + self.p * self.p + self.q * self.q
+            self.P, self.Q = quotient(self.p << 28, square), quotient(self.q << 28, square)
+
+    def back(self, normal, b, c):
+        normal, half = -normal if self.reversed else normal, 1 << 13
+        b = wrap(b + (self.P * normal + half >> 14))
+        c = wrap(c + (self.Q * normal + half >> 14))
+        d = {self.a: wrap(normal - (self.p * b + self.q * c + half >> 14)), (self.a + 1) % 3: b, (self.a + 2) % 3: c}
+        return (d[0], d[1], d[2])
+
+
+def restored(x, plane):
+    middle = (7 << plane) >> 4
+    return x + middle if x > 0 else x - middle if x < 0 else 0
+
+
+class Stream:
+    NEAR = [0, 1, 2, 3, 4, 4, 5, 5, 5] + [6] * 5 + [7] * 12 + [8] * 37 + [9]
+
+    def __init__(self, head, base, data):
+        self.head, self.base, self.coder = head, base, RangeDecoder(data)
+        levels, models = range(head.levels), lambda one, seen, *sizes: (
+            [models(one, seen, *sizes[1:]) for _ in range(sizes[0])] if sizes else [one, seen])
+        self.parents = [odd_parents(base, j) for j in levels]
+        self.known, self.frames, self.planes = [None] * head.levels, [None] * head.levels, []
+        # By class: the plane of each vertex, where a block was cut.
+        self.above = [[{}, {}] for _ in levels]
+        self.near = [None] * head.levels
+        first = ([1000, 5000, 8000, 11000, 14000, 18000, 22000, 26000, 30000, 32000],
+                 [0, 700, 1500, 3000, 6000, 10000, 13000], [0, 1500, 3000, 6000, 9000])
+        self.significant = [[[[[min(32768, a + b + c), 2] for c in first[2]] for b in first[1]] for a in first[0]]
+                            for _ in range(2)]
+        self.taken, self.more, self.plain = models(62000, 8, 4), [8000, 2], [2000, 4]
+        self.positions, self.signs = models(32768, 0, 3, 33), models(32768, 4, 5)
+        self.length, self.second = models(22000, 2, 2, 10, 12), models(28000, 4, 2, 12)
+        self.refined = models(28000, 4, 2)
+        self.beginning()
+        try:
+            while self.step():
+                pass
+        except Missing:
+            pass
+
+    def beginning(self):
+        coder, self.c0 = self.coder, []
+        self.plane = min(coder.raw(5), 30)
+        lower = defaultdict(list)
+        for low, high in self.base.edges:
+            lower[high].append(low)
+        for v in range(self.head.vertices):
+            expected = [sum(self.c0[w][c] >> self.plane for w in lower[v]) // len(lower[v]) if lower[v]
+                        else self.c0[v - 1][c] >> self.plane if v else 0 for c in range(3)]
+            self.c0.append([wrap(wrap(e + self.signed(c)) << self.plane) for c, e in enumerate(expected)])
+            coder.check()
+        self.base_planes = [self.plane] * self.head.vertices
+        for _ in range(self.head.levels):
+            plane = min(coder.raw(5), 30)
+            self.planes.append([plane, plane])
+        coder.check()
+
+    def signed(self, axis):
+        length = 0
+        while length < 32 and self.coder.bit(self.positions[axis][length]):
+            length += 1
+        if not length:
+            return 0
+        u = 1 << (length - 1) | self.coder.raw(length - 1)
+        return u // 2 if u % 2 == 0 else -((u + 1) // 2)
+
+    def step(self):
+        steps = [(8 * self.plane, None, None, self.plane)]
+        for j, planes in enumerate(self.planes):
+            if self.known[j] is None:
+                steps.append((8 * planes[0] - 8 * j - 12, j, None, planes[0]))
+            else:
+                steps += [(8 * plane - 8 * j - 12 * k, j, k, plane) for k, plane in enumerate(planes)]
+        steps = sorted((step for step in steps if step[3] > 0), key=lambda step: -step[0])
+        if not steps:
+            return False
+        coder, at = self.coder, 0
+        while at + 1 < len(steps) and not coder.bit(self.taken[min(at, 3)]):
+            at += 1
+        _, j, k, plane = steps[at]
+        count = 1
+        while (j is None or k is not None) and count < plane and coder.bit(self.more):
+            count += 1
+        plain = k is not None and coder.bit(self.plain)
+        coder.check()
+        if j is None:
+            self.plane -= count
+            for v, position in enumerate(self.c0):
+                more = [coder.raw(count) << self.plane for _ in range(3)]
+                coder.check()
+                self.c0[v], self.base_planes[v] = [x | y for x, y in zip(position, more)], self.plane
+        elif k is None:
+            self.begin(j)
+        else:
+            self.block(j, k, plane, plane - count, plain)
+        return True
+
+    def begin(self, j):
+        level, positions = Level(self.base, j), self.known_positions(j)
+        normals = defaultdict(lambda: [0, 0, 0])
+        for face in level.faces:
+            a, b, c = (positions[v] for v in face)
+            p, q = [x - y for x, y in zip(b, a)], [x - y for x, y in zip(c, a)]
+            cross = [p[k - 2] * q[k - 1] - p[k - 1] * q[k - 2] for k in range(3)]
+            for v in face:
+                normals[v] = [x + y for x, y in zip(normals[v], cross)]
+        signed = lambda x: (x + (1 << 63) & U64) - (1 << 63)
+        self.frames[j] = {i: Frame([signed(x + y) for x, y in zip(normals[u], normals[w])])
+                          for i, (u, w) in self.parents[j].items()}
+        odd = self.parents[j]
+        self.near[j] = {i: [x for x in around if x in odd] for i, around in Level(self.base, j + 1).neighbours.items()}
+        self.known[j] = {i: [0, 0, 0] for i in sorted(odd)}
+        most = self.planes[j][0]
+        self.planes[j] = [max(most - self.coder.raw(5), 0) for _ in range(2)]
+        self.coder.check()
+
+    def block(self, j, k, plane, to, plain):
+        known, before = self.known[j], self.known[j - 1] if j else None
+        self.planes[j][k] = to
+        self.above[j][k] = dict.fromkeys(known, plane)
+        size = (lambda x: abs(x[0])) if k == 0 else (lambda x: abs(x[1]) + abs(x[2]))
+        for i, parts in known.items():
+            near = sum(size(known[x]) for x in self.near[j][i]) >> to
+            sign = max(-2, min(2, sum((known[x][0] > 0) - (known[x][0] < 0) for x in self.near[j][i])))
+            parent = sum(size(before[x]) for x in self.parents[j][i] if x in before) >> to if before else 0
+            new = list(parts)
+            for c in [[0], [1, 2]][k]:
+                own = (abs(new[0]) >> to + 1) * (c > 0) + 2 * (abs(new[1]) >> to) * (c > 1)
+                new[c] = self.part(k, plane, to, plain, (min(near, 63), parent, own, sign), new[c])
+            self.coder.check()
+            known[i] = new
+            del self.above[j][k][i]
+
+    def part(self, k, plane, to, plain, context, x):
+        coder, count = self.coder, plane - to
+        near, parent, own, sign = context
+        near, parent, own = self.NEAR[near], min(parent.bit_length(), 6), min(own.bit_length(), 4)
+        if x:
+            if abs(x) >> plane == 1 and not plain:
+                low = coder.bit(self.refined[k]) << (count - 1)
+                low |= coder.raw(count - 1)
+            else:
+                low = coder.raw(count)
+            return x + (low << to) if x > 0 else x - (low << to)
+        if plain:
+            size = coder.raw(count)
+            return 0 if not size else -(size << to) if coder.raw(1) else size << to
+        if not coder.bit(self.significant[k][near][parent][own]):
+            return 0
+        length, size = 0, 1
+        while length + 1 < count and coder.bit(self.length[k][near][min(length, 11)]):
+            length += 1
+        if length:
+            size = 2 | coder.bit(self.second[k][min(length, 11)])
+            size = size << (length - 1) | coder.raw(length - 1)
+        negative = coder.bit(self.signs[sign + 2]) if k == 0 else coder.raw(1)
+        return -(size << to) if negative else size << to
+
+    def known_base(self):
+        return {v: tuple(wrap(x + (1 << plane >> 1)) for x in position)
+                for v, (position, plane) in enumerate(zip(self.c0, self.base_planes))}
+
+    def known_details(self, j):
+        if self.known[j] is None:
+            return dict.fromkeys(self.parents[j], (0, 0, 0))
+        planes, above = self.planes[j], self.above[j]
+        return {i: self.frames[j][i].back(*(
+            restored(x, above[c > 0].get(i, planes[c > 0])) for c, x in enumerate(parts)))
+            for i, parts in self.known[j].items()}
+
+    def known_positions(self, level):
+        positions = self.known_base()
+        for j in range(level):
+            positions = synthesise(self.base, j, positions, self.known_details(j), self.head.wavelet)
+        return positions
+
+    def coefficients(self):
+        """All coefficients by id, and whether every bit of them is known."""
+        exact = self.plane == 0 and all(plane == 0 for planes in self.planes for plane in planes) and not any(
+            above for level in self.above for above in level)
+        found = self.known_base()
+        for j in range(self.head.levels):
+            found.update(self.known_details(j))
+        if not exact:
+            found = {i: tuple(max(-LIMIT, min(LIMIT, x)) for x in d) for i, d in found.items()}
+        require(all(abs(x) <= LIMIT for d in found.values() for x in d), "a coefficient beyond the limit")
+        return found
+
 # ---- "Surface hash"
 
 def mix(h):
@@ -249,32 +556,23 @@ def read(data):
     critical, beside, complete = [], {}, False
     for kind, is_critical, payload in chunks(data):
         if is_critical:
-            require(not complete and kind in (b"HEAD", b"BASE", b"SCAL", b"WAVE", b"END!"), f"unexpected {kind}")
+            require(not complete and kind in (b"HEAD", b"BASE", b"WAVE", b"END!"), f"unexpected {kind}")
             complete = kind == b"END!"
             critical.append((kind, payload))
         elif complete:
             beside[kind] = payload
-    require([kind for kind, _ in critical[:3]] == [b"HEAD", b"BASE", b"SCAL"], "the base mesh is not complete")
+    require([kind for kind, _ in critical[:3]] == [b"HEAD", b"BASE", b"WAVE"], "the base mesh is not complete")
     head = Header(critical[0][1])
-    words = struct.unpack(f"<{len(critical[1][1]) // 4}I", critical[1][1])
-    faces, sharp = [words[3 * f:3 * f + 3] for f in range(head.faces)], words[3 * head.faces + 1:]
-    require(2 * words[3 * head.faces] == len(sharp), "the sharp edges do not fit their number")
-    base = Base(head.vertices, faces, list(zip(sharp[::2], sharp[1::2])))
-    coefficients = dict(enumerate(coefficients_from(critical[2][1])))
-    require(len(coefficients) == head.vertices, "the base positions do not fit the base mesh")
-    everything = base.count(head.levels)
-    for kind, payload in critical[3:]:
-        if kind == b"END!":
-            require(len(coefficients) == everything and payload == head.hash, "wrong end marker")
-            continue
-        (j, first), have = struct.unpack_from("<B3xI", payload), len(coefficients)
-        values = coefficients_from(payload[8:])
-        require(kind == b"WAVE" and j < head.levels and base.count(j) + first == have, "not the block that is due")
-        require(0 < len(values) <= BLOCK and have + len(values) <= base.count(j + 1), "a block of the wrong size")
-        coefficients.update(enumerate(values, have))
-    require(b"SRCE" not in beside or len(beside[b"SRCE"]) == 4 * everything, "source indices do not fit")
+    base = Base(head.vertices, *base_mesh(critical[1][1], head.vertices, head.faces))
+    stream = b""
+    for kind, payload in critical[2:]:
+        require(kind == (b"WAVE" if payload else b"END!"), f"unexpected {kind}")
+        error, = struct.unpack("<f", b"\0\0" + payload[:2]) if payload else (0,)
+        require(0 <= error < math.inf, "a stated error is no distance")
+        stream += payload[2:]
+    coefficients = Stream(head, base, stream).coefficients()
+    require(b"SRCE" not in beside or len(beside[b"SRCE"]) == 4 * len(coefficients), "source indices do not fit")
     json.loads(beside.get(b"META", b"{}"))
-    coefficients.update((missing, (0, 0, 0)) for missing in range(len(coefficients), everything))
     return head, base, coefficients, complete
 
 

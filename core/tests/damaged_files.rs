@@ -50,36 +50,34 @@ fn promises_are_not_believed() {
     let state = |at: usize, length: u64| move |chunks: &mut Vec<RawChunk>| chunks[at].stated = Some(length);
     let level = |level: u8| move |chunks: &mut Vec<RawChunk>| chunks[0].raw[2] = level;
     type Forgery<'a> = (&'a str, Box<dyn Fn(&mut Vec<RawChunk>)>);
+    fn of<'a>(chunks: &'a mut [RawChunk], kind: &[u8; 4]) -> &'a mut RawChunk {
+        chunks.iter_mut().find(|c| &c.kind == kind).expect("every kind is there")
+    }
+    let place = |kind: &[u8; 4]| chunks.iter().position(|c| &c.kind == kind).expect("every kind is there");
+    let (wave, end) = (place(b"WAVE"), place(b"END!"));
     let mut forgeries: Vec<Forgery> = vec![
         ("level 15", Box::new(level(15))),
         ("level 12", Box::new(level(12))),
         ("level 13", Box::new(level(13))),
         ("level 255", Box::new(level(255))),
+        ("a level less", Box::new(level(1))),
         ("precision 99", Box::new(|c| c[0].raw[3] = 99)),
         ("255 channels", Box::new(|c| c[0].raw[5] = 255)),
-        (
-            "a sharp edge between strangers",
-            Box::new(|c| {
-                let end = c[1].raw.len() - 4;
-                c[1].raw[end..].copy_from_slice(&77u32.to_le_bytes());
-            }),
-        ),
-        ("4 billion sharp edges", Box::new(|c| c[1].raw[8 * 12..8 * 12 + 4].fill(0xff))),
-        ("a corner far away", Box::new(|c| c[1].raw[..4].fill(0xff))),
-        ("coefficients out of range", Box::new(|c| c[3].raw[8..].fill(0xff))),
-        ("positions out of range", Box::new(|c| c[2].raw.fill(0x7f))),
-        ("another surface's end", Box::new(|c| c[5].raw[0] ^= 1)),
-        ("too many sources", Box::new(|c| c[6].raw.extend([0; 4]))),
-        ("metadata that is none", Box::new(|c| c[7].raw = b"{\"source\":[".to_vec())),
-        ("a block of another level", Box::new(|c| c[3].raw[0] = 1)),
-        ("a block from another place", Box::new(|c| c[3].raw[4] = 1)),
-        (
-            "a part out of range",
-            Box::new(|c| {
-                c[3].raw[8..].fill(0xff);
-                c.truncate(4);
-            }),
-        ),
+        ("a base mesh of ones", Box::new(|c| c[1].raw.fill(0xff))),
+        ("a base mesh of zeros", Box::new(|c| c[1].raw.fill(0))),
+        ("half a base mesh", Box::new(|c| c[1].raw.truncate(2))),
+        ("no base mesh", Box::new(|c| c[1].raw.clear())),
+        ("coefficients of ones", Box::new(|c| of(c, b"WAVE").raw[2..].fill(0xff))),
+        ("coefficients of zeros", Box::new(|c| of(c, b"WAVE").raw[2..].fill(0))),
+        ("another surface", Box::new(|c| of(c, b"WAVE").raw[99] ^= 1)),
+        ("another surface's hash", Box::new(|c| *c[0].raw.last_mut().expect("a hash") ^= 1)),
+        ("coefficients without an error", Box::new(|c| of(c, b"WAVE").raw.truncate(1))),
+        ("an error that is no number", Box::new(|c| of(c, b"WAVE").raw[..2].copy_from_slice(&[0xc0, 0x7f]))),
+        ("an error below nothing", Box::new(|c| of(c, b"WAVE").raw[..2].copy_from_slice(&[0, 0xc0]))),
+        ("an end that is not empty", Box::new(|c| of(c, b"END!").raw.push(0))),
+        ("too many sources", Box::new(|c| of(c, b"SRCE").raw.extend([0; 4]))),
+        ("metadata that is none", Box::new(|c| of(c, b"META").raw = b"{\"source\":[".to_vec())),
+        ("no coefficients", Box::new(|c| c.retain(|c| &c.kind != b"WAVE"))),
         (
             "a long base mesh",
             Box::new(move |c| {
@@ -87,9 +85,9 @@ fn promises_are_not_believed() {
                 c[1].stated = Some(1 << 32);
             }),
         ),
-        ("a block twice", Box::new(|c| c.insert(3, c[3].clone()))),
-        ("the end twice", Box::new(|c| c.insert(5, c[5].clone()))),
-        ("an end before its time", Box::new(|c| drop(c.remove(4)))),
+        ("a part twice", Box::new(move |c| c.insert(wave, c[wave].clone()))),
+        ("the end twice", Box::new(move |c| c.insert(end, c[end].clone()))),
+        ("an end before its time", Box::new(move |c| drop(c.remove(end - 1)))),
         (
             "a step of zero",
             Box::new(|c| {
@@ -110,7 +108,8 @@ fn promises_are_not_believed() {
         ));
     }
     for at in 0..chunks.len() {
-        for length in [0, 1, 1 << 33, 1 << 40, u64::MAX - 1, u64::MAX] {
+        // Ancillary chunks may be packed, and these say nothing else than they do now.
+        for length in [0, 1, 1 << 33, 1 << 40, u64::MAX >> 2, u64::MAX] {
             forgeries.push(("a stated length", Box::new(state(at, length))));
         }
     }
@@ -183,12 +182,10 @@ proptest! {
                 prop_assert!(contents(&found.surface) == contents(&whole.surface));
             }
             Ok(found) => {
-                let (found, whole) = (contents(&found.surface), contents(&whole.surface));
-                let levels = found.len() / 2;
-                prop_assert!(found[0] == whole[0]);
-                for (found, whole) in found[levels + 1..].iter().zip(&whole[levels + 1..]) {
-                    prop_assert!(found == whole || found.iter().all(|d| *d == [0; 3]));
-                }
+                // A sound part, and nothing of what comes after it.
+                let parts = split(bytes).into_iter().filter(|c| &c.kind == b"WAVE").map(|c| c.end);
+                let found = contents(&found.surface);
+                prop_assert!(parts.into_iter().any(|end| contents(&read(&bytes[..end]).expect("a part").surface) == found));
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Chunks: type, flags, lengths, checksum of these; payload, checksum of header and payload. Every byte of a
 //! file lies under one. The header has a checksum of its own because its lengths are trusted before the rest is there: a
-//! damaged length would otherwise look like a file cut short.
+//! damaged length would otherwise look like a file cut short. Lengths are as short as they can be: a file of a kilobyte
+//! has chunks, too.
 
 use flate2::Compression;
 use flate2::read::{DeflateDecoder, DeflateEncoder};
@@ -9,13 +10,15 @@ use std::io::Read;
 /// The first bytes of every wavelet file: magic, version, checksum of both.
 pub(super) const MAGIC: [u8; 8] = *b"\x89BOZ\r\n\x1a\n";
 /// The version of the file format.
-pub(super) const VERSION: u16 = 1;
+pub(super) const VERSION: u16 = 2;
 /// Length of the preamble.
 pub(super) const PREAMBLE: usize = 16;
-/// Type, flags, packing, two zeros, raw length, packed length, checksum.
-const HEADER: usize = FIELDS + 4;
-const FIELDS: usize = 24;
+/// A flag: a reader that does not know the chunk must refuse the file.
 const CRITICAL: u8 = 1;
+/// A flag: the payload is a raw DEFLATE stream.
+const PACKED: u8 = 2;
+/// Bytes of a length, at most: seven bits each.
+const LONGEST: usize = 9;
 
 /// A chunk's four-letter type.
 pub(super) type Kind = [u8; 4];
@@ -27,8 +30,8 @@ pub struct Chunk {
     pub kind: [u8; 4],
     /// A reader that does not know a critical chunk must refuse the file.
     pub critical: bool,
-    packing: u8,
-    raw_len: u64,
+    /// The length of the payload unpacked, if it is packed.
+    raw_len: Option<u64>,
     payload: Vec<u8>,
 }
 
@@ -46,46 +49,58 @@ impl Chunk {
     pub(super) fn new(kind: Kind, critical: bool, raw: &[u8]) -> Self {
         let mut packed = Vec::new();
         DeflateEncoder::new(raw, Compression::new(5)).read_to_end(&mut packed).expect("memory does not fail");
-        let (packing, payload) = if packed.len() < raw.len() { (1, packed) } else { (0, raw.to_vec()) };
-        Self { kind, critical, packing, raw_len: raw.len() as u64, payload }
+        if packed.len() < raw.len() {
+            Self { kind, critical, raw_len: Some(raw.len() as u64), payload: packed }
+        } else {
+            Self::stored(kind, critical, raw.to_vec())
+        }
+    }
+
+    /// A payload as it is.
+    pub(super) fn stored(kind: Kind, critical: bool, payload: Vec<u8>) -> Self {
+        Self { kind, critical, raw_len: None, payload }
     }
 
     /// Appends the chunk to a file's bytes.
     pub(super) fn write(&self, file: &mut Vec<u8>) {
         let start = file.len();
         file.extend(self.kind);
-        file.extend([if self.critical { CRITICAL } else { 0 }, self.packing, 0, 0]);
-        file.extend(self.raw_len.to_le_bytes());
-        file.extend((self.payload.len() as u64).to_le_bytes());
+        file.push(if self.critical { CRITICAL } else { 0 } | if self.raw_len.is_some() { PACKED } else { 0 });
+        write_length(self.payload.len() as u64, file);
+        if let Some(raw_len) = self.raw_len {
+            write_length(raw_len, file);
+        }
         let fields = file[start..].to_vec();
-        file.extend(crc32fast::hash(&fields).to_le_bytes());
+        file.extend(short_checksum(&fields));
         file.extend(&self.payload);
         file.extend(checksum(&fields, &self.payload).to_le_bytes());
     }
 
     /// Reads the chunk at the head of `bytes`; also how many bytes it takes.
     pub(super) fn read(bytes: &[u8]) -> Result<(Self, usize), Stop> {
-        let header = bytes.get(..HEADER).ok_or(Stop::Cut)?;
-        let (fields, crc) = header.split_at(FIELDS);
-        if crc != crc32fast::hash(fields).to_le_bytes() {
+        let flags = *bytes.get(4).ok_or(Stop::Cut)?;
+        let mut at = 5;
+        let packed_len = read_length(bytes, &mut at)?;
+        let raw_len = if flags & PACKED != 0 { Some(read_length(bytes, &mut at)?) } else { None };
+        let fields = &bytes[..at];
+        if *bytes.get(at..at + 2).ok_or(Stop::Cut)? != short_checksum(fields) {
             return Err(Stop::Damaged("the checksum of a chunk's header does not agree"));
         }
-        let length = |at: usize| u64::from_le_bytes(header[at..at + 8].try_into().expect("eight bytes"));
-        let packed_len = usize::try_from(length(16)).map_err(|_| Stop::Cut)?;
-        let end = HEADER.checked_add(packed_len).and_then(|n| n.checked_add(4)).ok_or(Stop::Cut)?;
+        let start = at + 2;
+        let packed_len = usize::try_from(packed_len).map_err(|_| Stop::Cut)?;
+        let end = start.checked_add(packed_len).and_then(|n| n.checked_add(4)).ok_or(Stop::Cut)?;
         let whole = bytes.get(..end).ok_or(Stop::Cut)?;
-        let (payload, crc) = whole[HEADER..].split_at(packed_len);
+        let (payload, crc) = whole[start..].split_at(packed_len);
         if crc != checksum(fields, payload).to_le_bytes() {
             return Err(Stop::Damaged("the checksum does not agree"));
         }
-        if header[4] & !CRITICAL != 0 || header[5] > 1 || header[6..8] != [0, 0] {
+        if flags & !(CRITICAL | PACKED) != 0 {
             return Err(Stop::Damaged("the chunk uses features of a newer version"));
         }
         let chunk = Self {
-            kind: header[..4].try_into().expect("four bytes"),
-            critical: header[4] & CRITICAL != 0,
-            packing: header[5],
-            raw_len: length(8),
+            kind: bytes[..4].try_into().expect("four bytes"),
+            critical: flags & CRITICAL != 0,
+            raw_len,
             payload: payload.to_vec(),
         };
         Ok((chunk, end))
@@ -93,25 +108,64 @@ impl Chunk {
 
     /// The payload, unpacked; at most `limit` bytes, and exactly as many as the header says.
     pub(super) fn unpack(&self, limit: u64) -> Result<Vec<u8>, &'static str> {
-        if self.raw_len > limit {
-            return Err("the chunk says it is larger than such a chunk can be");
+        let raw_len = self.raw_len.unwrap_or(self.payload.len() as u64);
+        if raw_len > limit {
+            return Err("the chunk is larger than such a chunk can be");
         }
-        if self.packing == 0 {
-            if self.payload.len() as u64 != self.raw_len {
-                return Err("the chunk's two lengths do not agree");
-            }
+        if self.raw_len.is_none() {
             return Ok(self.payload.clone());
         }
         let mut raw = Vec::new();
         DeflateDecoder::new(self.payload.as_slice())
-            .take(self.raw_len + 1)
+            .take(raw_len + 1)
             .read_to_end(&mut raw)
             .map_err(|_| "the chunk does not unpack")?;
-        if raw.len() as u64 != self.raw_len {
+        if raw.len() as u64 != raw_len {
             return Err("the chunk unpacks to another length than it says");
         }
         Ok(raw)
     }
+
+    /// The payload of a chunk that is never packed.
+    pub(super) fn into_stored(self) -> Result<Vec<u8>, &'static str> {
+        if self.raw_len.is_some() {
+            Err("the chunk is packed, which such a chunk is not")
+        } else {
+            Ok(self.payload)
+        }
+    }
+}
+
+/// Seven bits a byte, the lowest first; all bytes but the last have their highest bit set.
+fn write_length(mut length: u64, file: &mut Vec<u8>) {
+    while length > 127 {
+        file.push(length as u8 | 128);
+        length >>= 7;
+    }
+    file.push(length as u8);
+}
+
+fn read_length(bytes: &[u8], at: &mut usize) -> Result<u64, Stop> {
+    let mut length = 0;
+    for place in 0..LONGEST {
+        let byte = *bytes.get(*at).ok_or(Stop::Cut)?;
+        *at += 1;
+        length |= u64::from(byte & 127) << (7 * place);
+        if byte < 128 {
+            // A length has one spelling.
+            return if byte == 0 && place > 0 {
+                Err(Stop::Damaged("a chunk's length is damaged"))
+            } else {
+                Ok(length)
+            };
+        }
+    }
+    Err(Stop::Damaged("a chunk's length is damaged"))
+}
+
+/// The lower half of a checksum.
+fn short_checksum(bytes: &[u8]) -> [u8; 2] {
+    (crc32fast::hash(bytes) as u16).to_le_bytes()
 }
 
 /// The checksum at a chunk's end. The header's own checksum is left out of it: with it the sum would no longer

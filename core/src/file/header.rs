@@ -1,7 +1,7 @@
-//! The header and the base mesh as bytes, little-endian throughout.
+//! The header as bytes, little-endian throughout.
 
 use super::wavelet_file::MOST_VERTICES;
-use crate::hierarchy::{BaseMesh, FINEST_LEVEL};
+use crate::hierarchy::FINEST_LEVEL;
 use crate::surface::{CHANNELS, Form, PRECISIONS, Placement, Surface, SurfaceHash, UpAxis};
 use crate::wavelet::{Scheme, Wavelet};
 
@@ -24,11 +24,19 @@ pub(super) fn encode(surface: &Surface) -> Vec<u8> {
     let mut bytes = vec![form.scheme.code(), form.wavelet.code(), surface.finest().0, form.precision];
     bytes.extend([form.placement.up.code(), CHANNELS.len() as u8]);
     for text in CHANNELS.iter().copied().chain([form.placement.unit.as_str()]) {
-        bytes.extend((text.len() as u16).to_le_bytes());
+        bytes.push(text.len() as u8);
         bytes.extend(text.as_bytes());
     }
-    for number in form.placement.origin.iter().chain([&form.placement.step]) {
-        bytes.extend(number.to_le_bytes());
+    let [x, y, z] = form.placement.origin;
+    let numbers = [x, y, z, form.placement.step];
+    let short = numbers.iter().all(|&number| f64::from(number as f32).to_bits() == number.to_bits());
+    bytes.push(u8::from(short));
+    for number in numbers {
+        if short {
+            bytes.extend((number as f32).to_le_bytes());
+        } else {
+            bytes.extend(number.to_le_bytes());
+        }
     }
     bytes.extend(base.vertex_count().to_le_bytes());
     bytes.extend((base.faces().len() as u32).to_le_bytes());
@@ -52,7 +60,12 @@ impl Header {
             return Err(format!("the channels {names:?} are not known"));
         }
         let unit = fields.text()?;
-        let numbers: [f64; 4] = [fields.number()?, fields.number()?, fields.number()?, fields.number()?];
+        let [short] = fields.take()?;
+        if short > 1 {
+            return Err("the placement is not made of usable numbers".into());
+        }
+        let mut number = || fields.number(short == 1);
+        let numbers: [f64; 4] = [number()?, number()?, number()?, number()?];
         let [x, y, z, step] = numbers;
         if !numbers.iter().all(|n| n.is_finite() && n.abs() < 1e300) || step < 1e-300 {
             return Err("the placement is not made of usable numbers".into());
@@ -72,35 +85,6 @@ impl Header {
     }
 }
 
-/// The `BASE` payload: faces, then the number of sharp edges and their ends.
-pub(super) fn encode_base(base: &BaseMesh) -> Vec<u8> {
-    let sharp = base.sharp_edges();
-    let mut bytes: Vec<u8> = base.faces().iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
-    bytes.extend((sharp.len() as u32).to_le_bytes());
-    bytes.extend(sharp.iter().flatten().flat_map(|v| v.to_le_bytes()));
-    bytes
-}
-
-/// Base faces and sharp edges.
-type Base = (Vec<[u32; 3]>, Vec<[u32; 2]>);
-
-/// Reads a `BASE` payload, or says what is wrong with it.
-pub(super) fn decode_base(bytes: &[u8], header: &Header) -> Result<Base, &'static str> {
-    let words: Vec<u32> =
-        bytes.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().expect("four bytes"))).collect();
-    let (faces, rest) =
-        words.split_at_checked(3 * header.faces as usize).ok_or("the base mesh is too short")?;
-    let (&count, sharp) = rest.split_first().ok_or("the base mesh is too short")?;
-    if sharp.len() != 2 * count as usize || !bytes.len().is_multiple_of(4) {
-        return Err("the sharp edges do not fit their number");
-    }
-    if header.vertices as usize > faces.len() {
-        return Err("the base mesh has more vertices than corners");
-    }
-    let faces = faces.chunks_exact(3).map(|f| [f[0], f[1], f[2]]).collect();
-    Ok((faces, sharp.chunks_exact(2).map(|e| [e[0], e[1]]).collect()))
-}
-
 struct Fields<'a>(&'a [u8]);
 
 impl Fields<'_> {
@@ -110,12 +94,13 @@ impl Fields<'_> {
         Ok(head.try_into().expect("N bytes"))
     }
 
-    fn number(&mut self) -> Result<f64, String> {
-        Ok(f64::from_le_bytes(self.take()?))
+    fn number(&mut self, short: bool) -> Result<f64, String> {
+        Ok(if short { f64::from(f32::from_le_bytes(self.take()?)) } else { f64::from_le_bytes(self.take()?) })
     }
 
     fn text(&mut self) -> Result<String, String> {
-        let length = usize::from(u16::from_le_bytes(self.take()?));
+        let [length] = self.take()?;
+        let length = usize::from(length);
         let (head, rest) = self.0.split_at_checked(length).ok_or("the header is too short")?;
         self.0 = rest;
         String::from_utf8(head.to_vec()).map_err(|_| "the header holds broken text".into())

@@ -1,13 +1,15 @@
 //! Files: the `.boz` wavelet file and the `.edits` log beside it. docs/FORMAT.md is the specification.
 
-mod blocks;
 mod chunk;
 mod error;
 mod header;
 mod journal;
+mod progressive;
+mod smaller;
 mod wavelet_file;
 
 pub use chunk::Chunk;
 pub use error::FileError;
 pub use journal::{Journal, Log, NumberedLine, lock, log_path, read_log, write_log};
-pub use wavelet_file::{MOST_VERTICES, Metadata, Model, decode, encode, source_by_public_id};
+pub use smaller::{NoSuchFile, Size, encode_smaller};
+pub use wavelet_file::{CurvePoint, MOST_VERTICES, Metadata, Model, decode, encode, source_by_public_id};

@@ -1,17 +1,18 @@
 //! The `.boz` wavelet file (docs/FORMAT.md): writing, reading whole or cut, checking.
 //!
-//! Order: preamble, `HEAD`, `BASE`, `SCAL`, `WAVE` blocks coarse to fine, `END!`, then ancillary chunks. Nothing
-//! before the end marker depends on anything after it, so every prefix that holds the base mesh is a valid model;
-//! coefficients that are missing count as zero. After the marker the surface is whole, and a cut there costs only what
-//! stands beside it. A reader refuses sizes it cannot hold before it allocates them. Ancillary chunks may stand
-//! anywhere after `HEAD`; rewriting moves those it does not know to the end.
+//! Order: preamble, `HEAD`, `BASE`, the embedded stream in `WAVE` chunks, `END!`, then ancillary chunks. Nothing before
+//! the end marker depends on anything after it, so every prefix that holds the base mesh and its positions is a valid
+//! model, as good as its bytes allow. After the marker the surface is whole, and a cut there costs only what stands
+//! beside it. A reader refuses sizes it cannot hold before it allocates them. Ancillary chunks may stand anywhere after
+//! `HEAD`; rewriting moves those it does not know to the end.
 
 use super::FileError;
-use super::blocks::{self, BLOCK};
 use super::chunk::{self, Chunk, Kind, Stop};
 use super::header::{self, Header};
+use super::progressive::{Encoded, Granularity, decode_base, decode_stream, encode_base, encode_stream};
 use crate::hierarchy::{BaseMesh, Hierarchy, Level, PublicId};
-use crate::surface::{Surface, SurfaceHash, Vector, within_limit};
+use crate::surface::{LIMIT, Surface, SurfaceHash, Vector, within_limit};
+use crate::wavelet::Filters;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -19,12 +20,18 @@ use std::sync::Arc;
 
 const HEAD: Kind = *b"HEAD";
 const BASE: Kind = *b"BASE";
-const SCALING: Kind = *b"SCAL";
 const WAVELETS: Kind = *b"WAVE";
 const END: Kind = *b"END!";
 const SOURCE: Kind = *b"SRCE";
 const META: Kind = *b"META";
-const KNOWN: [Kind; 5] = [HEAD, BASE, SCALING, WAVELETS, END];
+const KNOWN: [Kind; 4] = [HEAD, BASE, WAVELETS, END];
+
+/// The first `WAVE` chunks have as many bytes of the stream or more; later ones grow with what is before them.
+const LEAST: usize = 256;
+/// No `WAVE` chunk has more.
+const MOST: usize = 1 << 16;
+/// Surfaces with more finest vertices are written for speed of reading, their large levels in few steps.
+const FINE_UP_TO: usize = 1 << 17;
 
 /// The most vertices that are opened: 2^26, about 2 GB in memory.
 pub const MOST_VERTICES: u32 = 1 << 26;
@@ -50,12 +57,25 @@ pub struct Model {
     pub metadata: Metadata,
     /// Whether everything up to the end marker was there.
     pub complete: bool,
+    /// How far the surface was from the whole at certain lengths of the file, coarse to fine; empty for a model that
+    /// does not come from a file.
+    pub curve: Vec<CurvePoint>,
     /// Whether the file ends inside a chunk after the end marker: the surface is whole, something beside it is lost.
     pub tail_cut: bool,
     /// The hash that the header states for the complete surface.
     pub stated_hash: SurfaceHash,
     /// Ancillary chunks this version does not know; they survive a rewrite.
     pub unknown: Vec<Chunk>,
+}
+
+/// A length of a wavelet file, and how far the surface that so many bytes hold is from the whole.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// The first bytes of the file.
+    pub bytes: usize,
+    /// The root of the mean squared error in model units, as the writer estimated it from the coefficients; 0 where
+    /// nothing is missing.
+    pub error: f64,
 }
 
 impl Model {
@@ -67,6 +87,7 @@ impl Model {
             source: source.map(Arc::new),
             metadata,
             complete: true,
+            curve: Vec::new(),
             tail_cut: false,
             stated_hash,
             unknown: Vec::new(),
@@ -74,29 +95,22 @@ impl Model {
     }
 }
 
-/// Writes a wavelet file. Deterministic: equal models give equal bytes, at any number of threads.
+/// Writes a wavelet file, every bit of the surface. Deterministic: equal models give equal bytes, at any number of
+/// threads.
 pub fn encode(model: &Model) -> Vec<u8> {
+    encode_parts(model, &stream_of(&model.surface))
+}
+
+/// The file of a model whose surface a stream holds.
+pub(super) fn encode_parts(model: &Model, stream: &Encoded) -> Vec<u8> {
     let surface = &model.surface;
+    let base = surface.hierarchy().base();
     let mut chunks = vec![
-        Chunk::new(HEAD, true, &header::encode(surface)),
-        Chunk::new(BASE, true, &header::encode_base(surface.hierarchy().base())),
+        Chunk::stored(HEAD, true, header::encode(surface)),
+        Chunk::stored(BASE, true, encode_base(base.vertex_count(), base.faces(), &base.sharp_edges())),
     ];
-    let mut coarsest = Vec::new();
-    blocks::encode(surface.scaling(Level::BASE), &mut coarsest);
-    chunks.push(Chunk::new(SCALING, true, &coarsest));
-    let starts: Vec<(u8, usize)> = (0..surface.finest().0)
-        .flat_map(|j| (0..surface.wavelets(Level(j)).len()).step_by(BLOCK).map(move |first| (j, first)))
-        .collect();
-    let block = |&(j, first): &(u8, usize)| {
-        let details = surface.wavelets(Level(j));
-        let details = &details[first..details.len().min(first + BLOCK)];
-        let mut raw = vec![j, 0, 0, 0];
-        raw.extend((first as u32).to_le_bytes());
-        blocks::encode(details, &mut raw);
-        Chunk::new(WAVELETS, true, &raw)
-    };
-    chunks.extend(starts.par_iter().map(block).collect::<Vec<_>>());
-    chunks.push(Chunk::new(END, true, &surface.hash().0));
+    chunks.extend(wave_chunks(stream));
+    chunks.push(Chunk::stored(END, true, Vec::new()));
     if let Some(source) = &model.source {
         let raw: Vec<u8> = source.iter().flat_map(|v| v.to_le_bytes()).collect();
         chunks.push(Chunk::new(SOURCE, false, &raw));
@@ -108,6 +122,54 @@ pub fn encode(model: &Model) -> Vec<u8> {
     let mut file = chunk::preamble().to_vec();
     chunks.iter().for_each(|chunk| chunk.write(&mut file));
     file
+}
+
+fn stream_of(surface: &Surface) -> Encoded {
+    let vertices = surface.scaling(surface.finest()).len();
+    stream(surface, if vertices > FINE_UP_TO { Granularity::Coarse } else { Granularity::Fine })
+}
+
+/// The stream that is the best to cut.
+pub(super) fn finest_stream(surface: &Surface) -> Encoded {
+    stream(surface, Granularity::Fine)
+}
+
+fn stream(surface: &Surface, granularity: Granularity) -> Encoded {
+    let details: Vec<&[Vector]> = (0..surface.finest().0).map(|j| surface.wavelets(Level(j))).collect();
+    encode_stream(
+        surface.hierarchy(),
+        surface.filters(),
+        surface.form().precision,
+        surface.scaling(Level::BASE),
+        &details,
+        granularity,
+    )
+}
+
+/// The stream in chunks, each with the error that it leaves: cut at borders where they are not too far apart.
+fn wave_chunks(stream: &Encoded) -> Vec<Chunk> {
+    let mut chunks = Vec::new();
+    let (mut from, mut before) = (0, stream.borders[0]);
+    for (at, &border) in stream.borders.iter().enumerate() {
+        let last = at + 1 == stream.borders.len();
+        while border.position - from > MOST {
+            chunks.push(wave_chunk(&stream.bytes[from..from + MOST], before.error));
+            from += MOST;
+        }
+        if last || border.position - from >= LEAST.max(from / 4) {
+            let to = if last { stream.bytes.len() } else { border.position };
+            chunks.push(wave_chunk(&stream.bytes[from..to], border.error));
+            from = to;
+        }
+        before = border;
+    }
+    chunks
+}
+
+/// The error, as the upper half of an `f32` in steps, and a part of the stream.
+fn wave_chunk(bytes: &[u8], error: f64) -> Chunk {
+    let upper = ((error as f32).to_bits() >> 16) as u16;
+    Chunk::stored(WAVELETS, true, [&upper.to_le_bytes(), bytes].concat())
 }
 
 /// Reads a wavelet file from memory; `path` is for messages. Linear in the finest level. A file cut after its base
@@ -142,25 +204,32 @@ impl Reader<'_> {
     fn model(mut self) -> Result<Model, FileError> {
         self.preamble()?;
         let (head_at, head) = self.required(HEAD)?;
-        let head = Header::decode(&self.unpack(head_at, &head, 1 << 16)?)
+        let head = head.into_stored().map_err(|what| self.error(head_at, what, RESTORE))?;
+        let head = Header::decode(&head)
             .map_err(|what| self.error(head_at, what, "open it with the Bozzetto that wrote it"))?;
         let (hierarchy, base_at) = self.hierarchy(&head)?;
-        let (at, scaling) = self.required(SCALING)?;
-        let coarsest = blocks::decode(&self.unpack(at, &scaling, 12 * u64::from(head.vertices))?)
-            .filter(|values| values.len() == head.vertices as usize)
-            .ok_or_else(|| self.error(at, "the base positions do not match the base mesh", RESTORE))?;
-
-        let mut wavelets: Vec<Vec<Vector>> =
-            (0..head.levels).map(|j| vec![[0; 3]; hierarchy.layout(Level(j)).odd_len() as usize]).collect();
-        let complete = self.blocks(&mut wavelets, head.hash)?;
+        let filters = Filters::new(&hierarchy, head.form.wavelet)
+            .map_err(|e| self.error(base_at, e.to_string(), "import the model again"))?;
+        let (stream, complete, curve) = self.stream(head.form.placement.step)?;
+        let Some(mut decoded) = decode_stream(&hierarchy, &filters, &stream) else {
+            return Err(self.error(
+                self.at,
+                "the file ends before its base mesh does",
+                "get the rest of the file",
+            ));
+        };
         let beyond =
             || self.error(PREAMBLE_END, "coefficients reach beyond the range of coordinates", RESTORE);
-        // Before synthesis, whose sums are exact within the limit only.
-        if !coarsest.iter().chain(wavelets.iter().flatten()).flatten().all(|&x| within_limit(x)) {
-            return Err(beyond());
+        // Before synthesis, whose sums are exact within the limit only. What is known in part may overshoot.
+        let all = decoded.base.par_iter_mut().chain(decoded.details.par_iter_mut().flatten());
+        if decoded.exact {
+            if !all.all(|v| v.iter().all(|&x| within_limit(x))) {
+                return Err(beyond());
+            }
+        } else {
+            all.for_each(|v| *v = v.map(|x| x.clamp(-LIMIT, LIMIT)));
         }
-        let surface = Surface::from_coefficients(hierarchy, head.form, coarsest, wavelets)
-            .map_err(|e| self.error(base_at, e.to_string(), "import the model again"))?;
+        let surface = Surface::with_filters(hierarchy, filters, head.form, decoded.base, decoded.details);
         // Positions of a partial surface may overshoot where the missing detail would have held them back.
         if complete && !surface.is_within_limit() {
             return Err(beyond());
@@ -177,6 +246,7 @@ impl Reader<'_> {
             source: None,
             metadata: Metadata::default(),
             complete,
+            curve,
             tail_cut: false,
             stated_hash: head.hash,
             unknown: Vec::new(),
@@ -253,14 +323,14 @@ impl Reader<'_> {
 
     fn hierarchy(&mut self, head: &Header) -> Result<(Hierarchy, usize), FileError> {
         let (at, chunk) = self.required(BASE)?;
-        let limit = 12 * u64::from(head.faces) + 8 + 24 * u64::from(head.faces);
-        let (faces, sharp) = header::decode_base(&self.unpack(at, &chunk, limit)?, head)
+        let bytes = chunk.into_stored().map_err(|what| self.error(at, what, RESTORE))?;
+        let (faces, sharp) = decode_base(&bytes, head.vertices, head.faces as usize)
             .map_err(|what| self.error(at, what, RESTORE))?;
-        let base = BaseMesh::new(head.vertices, faces.clone(), &sharp)
-            .map_err(|e| self.error(at, format!("the base mesh is not one: {e}"), RESTORE))?;
-        if base.faces() != faces {
-            return Err(self.error(at, "the base faces are not in their order", RESTORE));
+        if head.vertices as usize > 3 * faces.len() {
+            return Err(self.error(at, "the base mesh has more vertices than corners", RESTORE));
         }
+        let base = BaseMesh::new(head.vertices, faces, &sharp)
+            .map_err(|e| self.error(at, format!("the base mesh is not one: {e}"), RESTORE))?;
         let hierarchy = Hierarchy::new(Arc::new(base), Level(head.levels))
             .filter(|h| h.layout(h.finest()).len() <= MOST_VERTICES)
             .ok_or_else(|| {
@@ -269,38 +339,32 @@ impl Reader<'_> {
         Ok((hierarchy, at))
     }
 
-    /// Reads blocks up to the end marker; whether it was there.
-    fn blocks(&mut self, wavelets: &mut [Vec<Vector>], hash: SurfaceHash) -> Result<bool, FileError> {
-        let mut due = (0usize, 0usize);
+    /// Gathers the stream up to the end marker; whether that was there; and the errors stated on the way.
+    fn stream(&mut self, step: f64) -> Result<(Vec<u8>, bool, Vec<CurvePoint>), FileError> {
+        let (mut stream, mut curve) = (Vec::new(), Vec::new());
         while let Some((at, chunk)) = self.next_critical()? {
-            while due.0 < wavelets.len() && due.1 == wavelets[due.0].len() {
-                due = (due.0 + 1, 0);
-            }
-            if chunk.kind == END {
-                if due.0 < wavelets.len() {
-                    return Err(self.error(at, "coefficients are missing before the end marker", RESTORE));
-                }
-                if self.unpack(at, &chunk, 16)? != hash.0 {
-                    return Err(self.error(at, "the end marker belongs to another surface", RESTORE));
-                }
-                return Ok(true);
-            }
-            if chunk.kind != WAVELETS {
+            if chunk.kind != WAVELETS && chunk.kind != END {
                 return Err(self.not_known(at, chunk.kind));
             }
-            let raw = self.unpack(at, &chunk, 8 + 12 * BLOCK as u64)?;
-            let wrong = || self.error(at, "a block of coefficients is not the one that is due", RESTORE);
-            let (place, values) = raw.split_at_checked(8).ok_or_else(wrong)?;
-            let first = u32::from_le_bytes(place[4..8].try_into().expect("four bytes")) as usize;
-            let values = blocks::decode(values).ok_or_else(wrong)?;
-            let in_order = due.0 < wavelets.len() && place[..4] == [due.0 as u8, 0, 0, 0] && first == due.1;
-            if !in_order || values.is_empty() || values.len() > wavelets[due.0].len() - due.1 {
-                return Err(wrong());
+            let is_end = chunk.kind == END;
+            let payload = chunk.into_stored().map_err(|what| self.error(at, what, RESTORE))?;
+            if is_end {
+                if !payload.is_empty() {
+                    return Err(self.error(at, "the end marker is not empty", RESTORE));
+                }
+                return Ok((stream, true, curve));
             }
-            wavelets[due.0][due.1..due.1 + values.len()].copy_from_slice(&values);
-            due.1 += values.len();
+            let Some((upper, bytes)) = payload.split_first_chunk() else {
+                return Err(self.error(at, "a part of the coefficients is too short", RESTORE));
+            };
+            let error = f64::from(f32::from_bits(u32::from(u16::from_le_bytes(*upper)) << 16)) * step;
+            if !(0.0..f64::INFINITY).contains(&error) {
+                return Err(self.error(at, "a stated error is no distance", RESTORE));
+            }
+            stream.extend(bytes);
+            curve.push(CurvePoint { bytes: self.at, error });
         }
-        Ok(false)
+        Ok((stream, false, curve))
     }
 
     fn ancillary(&mut self, model: &mut Model) -> Result<(), FileError> {

@@ -94,16 +94,27 @@ impl Surface {
         coarsest: Vec<Vector>,
         wavelets: Vec<Vec<Vector>>,
     ) -> Result<Self, ValenceTooHigh> {
+        let filters = Filters::new(&hierarchy, form.wavelet)?;
+        Ok(Self::with_filters(hierarchy, filters, form, coarsest, wavelets))
+    }
+
+    /// [`Surface::from_coefficients`] with weights that were solved before.
+    pub(crate) fn with_filters(
+        hierarchy: Hierarchy,
+        filters: Filters,
+        form: Form,
+        coarsest: Vec<Vector>,
+        wavelets: Vec<Vec<Vector>>,
+    ) -> Self {
         assert_eq!(coarsest.len(), hierarchy.layout(Level::BASE).len() as usize);
         assert_eq!(wavelets.len(), hierarchy.finest().index());
-        let filters = Filters::new(&hierarchy, form.wavelet)?;
         let mut scaling = vec![coarsest];
         for (j, details) in wavelets.iter().enumerate() {
             let level = Level(j as u8);
             assert_eq!(details.len(), hierarchy.layout(level).odd_len() as usize);
             scaling.push(rows::synthesise_level(&hierarchy, &filters, level, &scaling[j], details));
         }
-        Ok(Self::assemble(hierarchy, filters, form, scaling, wavelets))
+        Self::assemble(hierarchy, filters, form, scaling, wavelets)
     }
 
     fn assemble(

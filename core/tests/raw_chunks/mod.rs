@@ -17,7 +17,7 @@ pub(crate) struct RawChunk {
     pub(crate) raw: Vec<u8>,
     /// Where the chunk ends in the file it was read from.
     pub(crate) end: usize,
-    /// States another unpacked length than the true one.
+    /// Is packed, and states this unpacked length.
     pub(crate) stated: Option<u64>,
 }
 
@@ -30,46 +30,72 @@ impl RawChunk {
 
 /// Takes a sound file apart.
 pub(crate) fn split(file: &[u8]) -> Vec<RawChunk> {
-    let number = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().expect("eight bytes")) as usize;
-    let mut chunks = Vec::new();
-    let mut at = PREAMBLE;
-    while at < file.len() {
-        let (raw_len, packed_len) = (number(at + 8), number(at + 16));
-        let payload = &file[at + 28..at + 28 + packed_len];
-        let mut raw = Vec::new();
-        match file[at + 5] {
-            0 => raw.extend(payload),
-            _ => drop(DeflateDecoder::new(payload).read_to_end(&mut raw).expect("a sound file")),
+    let length = |at: &mut usize| {
+        let (mut length, mut shift) = (0, 0);
+        loop {
+            let byte = usize::from(file[*at]);
+            *at += 1;
+            length |= (byte & 127) << shift;
+            shift += 7;
+            if byte < 128 {
+                return length;
+            }
         }
-        assert_eq!(raw.len(), raw_len);
-        let end = at + 28 + packed_len + 4;
-        let kind = file[at..at + 4].try_into().expect("four bytes");
-        chunks.push(RawChunk { kind, critical: file[at + 4] == 1, raw, end, stated: None });
-        at = end;
+    };
+    let mut chunks = Vec::new();
+    let mut start = PREAMBLE;
+    while start < file.len() {
+        let flags = file[start + 4];
+        let mut at = start + 5;
+        let packed_len = length(&mut at);
+        let raw_len = if flags & 2 != 0 { Some(length(&mut at)) } else { None };
+        at += 2;
+        let payload = &file[at..at + packed_len];
+        let mut raw = Vec::new();
+        match raw_len {
+            None => raw.extend(payload),
+            Some(_) => drop(DeflateDecoder::new(payload).read_to_end(&mut raw).expect("a sound file")),
+        }
+        assert_eq!(raw.len(), raw_len.unwrap_or(packed_len));
+        let end = at + packed_len + 4;
+        let kind = file[start..start + 4].try_into().expect("four bytes");
+        chunks.push(RawChunk { kind, critical: flags & 1 == 1, raw, end, stated: None });
+        start = end;
     }
     chunks
 }
 
-/// Puts a file together, with every checksum right. Payloads are packed if `pack` says so.
+/// Puts a file together, with every checksum right. Ancillary payloads are packed if `pack` says so.
 pub(crate) fn join(chunks: &[RawChunk], pack: bool) -> Vec<u8> {
-    let mut file = b"\x89BOZ\r\n\x1a\n\x01\0\0\0".to_vec();
+    let mut file = b"\x89BOZ\r\n\x1a\n\x02\0\0\0".to_vec();
     file.extend(crc32fast::hash(&file).to_le_bytes());
     for chunk in chunks {
         let mut payload = chunk.raw.clone();
-        if pack {
+        let packed = pack && !chunk.critical || chunk.stated.is_some();
+        if packed {
             payload.clear();
             let packer = DeflateEncoder::new(chunk.raw.as_slice(), flate2::Compression::best());
             std::io::BufReader::new(packer).read_to_end(&mut payload).expect("memory");
         }
         let mut fields = chunk.kind.to_vec();
-        fields.extend([u8::from(chunk.critical), u8::from(pack), 0, 0]);
-        fields.extend(chunk.stated.unwrap_or(chunk.raw.len() as u64).to_le_bytes());
-        fields.extend((payload.len() as u64).to_le_bytes());
+        fields.push(u8::from(chunk.critical) | u8::from(packed) << 1);
+        put_length(payload.len() as u64, &mut fields);
+        if packed {
+            put_length(chunk.stated.unwrap_or(chunk.raw.len() as u64), &mut fields);
+        }
         let both = [fields.as_slice(), &payload].concat();
         file.extend(&fields);
-        file.extend(crc32fast::hash(&fields).to_le_bytes());
+        file.extend((crc32fast::hash(&fields) as u16).to_le_bytes());
         file.extend(&payload);
         file.extend(crc32fast::hash(&both).to_le_bytes());
     }
     file
+}
+
+fn put_length(mut length: u64, bytes: &mut Vec<u8>) {
+    while length > 127 {
+        bytes.push(length as u8 | 128);
+        length >>= 7;
+    }
+    bytes.push(length as u8);
 }

@@ -1,0 +1,11 @@
+//! The embedded stream of a wavelet file: base connectivity, positions and wavelet coefficients in the order of their
+//! significance, each bit under a model learnt from what came before. docs/FORMAT.md specifies every bit of it.
+
+mod connectivity;
+mod frames;
+mod planes;
+mod range_coder;
+mod stream;
+
+pub(super) use connectivity::{decode_base, encode_base};
+pub(super) use stream::{Encoded, Granularity, decode_stream, encode_stream};

@@ -1,0 +1,332 @@
+//! An adaptive binary range coder (docs/FORMAT.md, "Range coder").
+//!
+//! Based on: Martin, "Range encoding: an algorithm for removing redundancy from a digitised message", 1979; carries are
+//! handed on as in Subbotin's and Pavlov's coders. All arithmetic is on integers and part of the file format.
+//!
+//! Encoder and decoder are two [`Coder`]s, so that what is coded is written down once and runs both ways.
+
+/// Below this the range is widened by a byte.
+const LEAST_RANGE: u32 = 1 << 24;
+/// Bytes that a decoder has read ahead of the bit it decodes.
+pub(super) const AHEAD: usize = 4;
+/// How often a model has seen a bit, at most: later bits count a 128th.
+const MOST_SEEN: u8 = 126;
+
+/// How likely the next bit is 1, learnt from the bits before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Model {
+    /// Of 2^16.
+    one: u16,
+    seen: u8,
+}
+
+impl Model {
+    /// A model that takes 1 to be `one` in 2^16 likely, and learns the faster the less it has `seen`.
+    pub(super) const fn new(one: u16, seen: u8) -> Self {
+        Self { one, seen }
+    }
+
+    /// The model of a bit that is as often 1 as 0.
+    pub(super) const EVEN: Self = Self::new(1 << 15, 0);
+
+    /// The width of bit 1: never nothing, never all.
+    #[inline(always)]
+    fn bound(self, range: u32) -> u32 {
+        (range >> 16) * u32::from(self.one.clamp(64, u16::MAX - 63))
+    }
+
+    #[inline(always)]
+    fn learn(&mut self, bit: bool) {
+        let share = SHARES[usize::from(self.seen)];
+        let target = if bit { 65535 } else { 0 };
+        let one = i32::from(self.one);
+        self.one = (one + (((target - one) * share) >> 16)) as u16;
+        self.seen = (self.seen + 1).min(MOST_SEEN);
+    }
+}
+
+/// How much a bit counts after so many before it: `2^16 / (seen + 2)`.
+const SHARES: [i32; MOST_SEEN as usize + 1] = {
+    let mut shares = [0; MOST_SEEN as usize + 1];
+    let mut seen = 0;
+    while seen < shares.len() {
+        shares[seen] = 65536 / (seen as i32 + 2);
+        seen += 1;
+    }
+    shares
+};
+
+/// One direction of coding. An encoder writes what it is given and returns it; a decoder ignores it and returns what it
+/// reads.
+pub(super) trait Coder {
+    /// Whether the values given are those to be coded.
+    const WRITES: bool;
+
+    /// A bit with its model.
+    fn bit(&mut self, model: &mut Model, bit: bool) -> bool;
+
+    /// `count` bits, at most 16, each as likely 1 as 0.
+    fn raw(&mut self, count: u32, bits: u32) -> u32;
+
+    /// Whether more was asked for than is there; what was read last means nothing then.
+    fn is_exhausted(&self) -> bool;
+
+    /// Any number of bits up to 32 without a model.
+    #[inline]
+    fn long_raw(&mut self, count: u32, bits: u32) -> u32 {
+        if count <= 16 {
+            return self.raw(count, bits);
+        }
+        let high = self.raw(count - 16, bits >> 16);
+        high << 16 | self.raw(16, bits & 0xffff)
+    }
+}
+
+/// Writes a stream.
+#[derive(Debug, Default)]
+pub(super) struct Encoder {
+    low: u64,
+    width: Width,
+    /// The last byte that a carry may still change, and how many 0xff follow it.
+    last: Option<u8>,
+    full: usize,
+    bytes: Vec<u8>,
+}
+
+#[derive(Debug)]
+struct Width(u32);
+
+impl Default for Width {
+    fn default() -> Self {
+        Self(u32::MAX)
+    }
+}
+
+impl Encoder {
+    /// How many bytes a decoder needs to read all that has been written.
+    pub(super) fn position(&self) -> usize {
+        self.bytes.len() + self.full + usize::from(self.last.is_some()) + AHEAD
+    }
+
+    /// The whole stream.
+    pub(super) fn finish(mut self) -> Vec<u8> {
+        for _ in 0..=AHEAD {
+            self.shift();
+        }
+        self.bytes
+    }
+
+    #[inline(always)]
+    fn normalise(&mut self) {
+        while self.width.0 < LEAST_RANGE {
+            self.width.0 <<= 8;
+            self.shift();
+        }
+    }
+
+    /// Moves the top byte of `low` out.
+    fn shift(&mut self) {
+        if self.low < 0xff00_0000 || self.low > 0xffff_ffff {
+            let carry = (self.low >> 32) as u8;
+            self.bytes.extend(self.last.map(|last| last.wrapping_add(carry)));
+            self.bytes.extend(std::iter::repeat_n(0xffu8.wrapping_add(carry), self.full));
+            self.full = 0;
+            self.last = Some((self.low >> 24) as u8);
+        } else {
+            self.full += 1;
+        }
+        self.low = self.low << 8 & 0xffff_ff00;
+    }
+}
+
+impl Coder for Encoder {
+    const WRITES: bool = true;
+
+    #[inline]
+    fn bit(&mut self, model: &mut Model, bit: bool) -> bool {
+        let bound = model.bound(self.width.0);
+        if bit {
+            self.width.0 = bound;
+        } else {
+            self.low += u64::from(bound);
+            self.width.0 -= bound;
+        }
+        model.learn(bit);
+        self.normalise();
+        bit
+    }
+
+    #[inline]
+    fn raw(&mut self, count: u32, bits: u32) -> u32 {
+        self.width.0 >>= count;
+        self.low += u64::from(self.width.0) * u64::from(bits);
+        self.normalise();
+        bits
+    }
+
+    fn is_exhausted(&self) -> bool {
+        false
+    }
+}
+
+/// Reads a stream, or as much of it as there is.
+#[derive(Debug)]
+pub(super) struct Decoder<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    code: u32,
+    range: u32,
+}
+
+impl<'a> Decoder<'a> {
+    /// Begins to read.
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        let mut decoder = Self { bytes, at: 0, code: 0, range: u32::MAX };
+        for _ in 0..AHEAD {
+            decoder.code = decoder.code << 8 | decoder.next();
+        }
+        decoder
+    }
+
+    #[inline(always)]
+    fn next(&mut self) -> u32 {
+        let byte = self.bytes.get(self.at).copied().unwrap_or(0);
+        self.at += 1;
+        u32::from(byte)
+    }
+
+    #[inline(always)]
+    fn normalise(&mut self) {
+        while self.range < LEAST_RANGE {
+            self.range <<= 8;
+            self.code = self.code << 8 | self.next();
+        }
+    }
+}
+
+impl Coder for Decoder<'_> {
+    const WRITES: bool = false;
+
+    #[inline]
+    fn bit(&mut self, model: &mut Model, _: bool) -> bool {
+        let bound = model.bound(self.range);
+        let bit = self.code < bound;
+        if bit {
+            self.range = bound;
+        } else {
+            self.code -= bound;
+            self.range -= bound;
+        }
+        model.learn(bit);
+        self.normalise();
+        bit
+    }
+
+    #[inline]
+    fn raw(&mut self, count: u32, _: u32) -> u32 {
+        self.range >>= count;
+        // A sound stream never exceeds the most; a forged one must not either.
+        let bits = (self.code / self.range).min((1 << count) - 1);
+        self.code = self.code.wrapping_sub(bits.wrapping_mul(self.range));
+        self.normalise();
+        bits
+    }
+
+    fn is_exhausted(&self) -> bool {
+        self.at > self.bytes.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// What a test codes: a bit under one of four models, or raw bits.
+    #[derive(Debug, Clone, Copy)]
+    enum Symbol {
+        Bit(usize, bool),
+        Raw(u32, u32),
+    }
+
+    fn symbols() -> impl Strategy<Value = Vec<Symbol>> {
+        let bit = (0usize..4, any::<u8>())
+            .prop_map(|(model, x)| Symbol::Bit(model, u16::from(x) < 1 << (2 * model)));
+        let raw = (0u32..=16, any::<u32>()).prop_map(|(count, x)| Symbol::Raw(count, x & ((1 << count) - 1)));
+        prop::collection::vec(prop_oneof![6 => bit, 1 => raw], 0..3000)
+    }
+
+    fn code<C: Coder>(coder: &mut C, models: &mut [Model; 4], symbol: Symbol) -> Symbol {
+        match symbol {
+            Symbol::Bit(model, bit) => Symbol::Bit(model, coder.bit(&mut models[model], bit)),
+            Symbol::Raw(count, bits) => Symbol::Raw(count, coder.raw(count, bits)),
+        }
+    }
+
+    fn encoded(symbols: &[Symbol]) -> (Vec<u8>, Vec<usize>) {
+        let (mut encoder, mut models) = (Encoder::default(), [Model::EVEN; 4]);
+        let ends = symbols
+            .iter()
+            .map(|&symbol| {
+                code(&mut encoder, &mut models, symbol);
+                encoder.position()
+            })
+            .collect();
+        (encoder.finish(), ends)
+    }
+
+    proptest! {
+        /// What was written is read; of a cut stream exactly what lies before the cut.
+        #[test]
+        fn what_is_written_is_read(symbols in symbols(), cut in 0.0f64..=1.0) {
+            let (bytes, ends) = encoded(&symbols);
+            let cut = (cut * bytes.len() as f64).round() as usize;
+            let (mut decoder, mut models) = (Decoder::new(&bytes[..cut]), [Model::EVEN; 4]);
+            for (&symbol, &end) in symbols.iter().zip(&ends) {
+                let blank = match symbol {
+                    Symbol::Bit(model, _) => Symbol::Bit(model, false),
+                    Symbol::Raw(count, _) => Symbol::Raw(count, 0),
+                };
+                let found = code(&mut decoder, &mut models, blank);
+                prop_assert_eq!(decoder.is_exhausted(), end > cut);
+                if end > cut {
+                    break;
+                }
+                prop_assert_eq!(format!("{found:?}"), format!("{symbol:?}"));
+            }
+        }
+
+        /// Any bytes can be read without a panic.
+        #[test]
+        fn any_bytes_are_read(bytes in prop::collection::vec(any::<u8>(), 0..60), symbols in symbols()) {
+            let (mut decoder, mut models) = (Decoder::new(&bytes), [Model::EVEN; 4]);
+            for symbol in symbols {
+                if let Symbol::Raw(count, bits) = code(&mut decoder, &mut models, symbol) {
+                    prop_assert!(u64::from(bits) < 1 << count);
+                }
+            }
+        }
+    }
+
+    /// A carry that runs through a row of 0xff.
+    #[test]
+    fn carries_are_handed_on() {
+        let symbols: Vec<Symbol> =
+            [Symbol::Raw(16, 0xffff); 9].into_iter().chain([Symbol::Raw(1, 1); 40]).collect();
+        let (bytes, _) = encoded(&symbols);
+        let (mut decoder, mut models) = (Decoder::new(&bytes), [Model::EVEN; 4]);
+        for symbol in symbols {
+            assert_eq!(format!("{:?}", code(&mut decoder, &mut models, symbol)), format!("{symbol:?}"));
+        }
+    }
+
+    /// The bytes of a short stream: part of the format.
+    #[test]
+    fn golden_bytes() {
+        let mut symbols: Vec<Symbol> = (0..64).map(|k| Symbol::Bit(k % 3, k % 7 == 0)).collect();
+        symbols.push(Symbol::Raw(13, 4711));
+        let (bytes, _) = encoded(&symbols);
+        let text: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        assert_eq!(text, "7e130e49cc1a47387b0000");
+    }
+}

@@ -1,0 +1,528 @@
+//! The order of the stream: which block comes when, and what a reader makes of as much as it has.
+//!
+//! Blocks are offered in a fixed order, by how far a step of their plane moves the surface; a bit says whether the block
+//! offered is taken. So the writer may choose another order, and pays for it only where it does.
+
+use super::frames::{Frame, frames};
+use super::planes::{Block, CLASSES, Level as Planes, Models, code};
+use super::range_coder::{Coder, Decoder, Encoder, Model};
+use crate::hierarchy::{Hierarchy, Layout, Level, Odd};
+use crate::surface::Vector;
+use crate::wavelet::{Filters, rows};
+use rayon::prelude::*;
+
+/// Planes are counted to here: magnitudes are below 2^30.
+const MOST_PLANES: u32 = 30;
+/// A level finer halves what a step of a coefficient is worth; in eighths of a plane.
+const PER_LEVEL: i32 = 8;
+/// How much later tangential planes come than normal ones, in eighths of a plane.
+const TANGENTIAL: i32 = 12;
+/// How much later a level begins than its highest plane would have it, in eighths of a plane: frames are the better for it.
+const BEGINNING: i32 = 12;
+
+/// What of one level is known.
+#[derive(Debug, Default)]
+struct Details {
+    /// By slot of `M^{j+1}`: normal part, two tangential parts, without the bits below the plane. Empty before the level
+    /// begins.
+    known: Vec<Vector>,
+    /// By odd vertex.
+    frames: Vec<Frame>,
+    /// By class.
+    planes: [u32; 2],
+    /// A class of which the vertices from some odd one on are at a coarser plane than the others.
+    cut: Option<(usize, u32, u32)>,
+}
+
+/// What is known of a surface while it is written or read.
+struct State<'a> {
+    hierarchy: &'a Hierarchy,
+    filters: &'a Filters,
+    base: Vec<Vector>,
+    base_plane: u32,
+    /// The first base vertex that is still at another plane, and that plane.
+    base_cut: Option<(usize, u32)>,
+    levels: Vec<Details>,
+    models: Models,
+    order: OrderModels,
+}
+
+/// The models of what stands between blocks.
+struct OrderModels {
+    taken: [Model; 4],
+    more: Model,
+    plain: Model,
+    positions: [[Model; 33]; 3],
+}
+
+impl Default for OrderModels {
+    fn default() -> Self {
+        Self {
+            taken: [Model::new(62_000, 8); 4],
+            more: Model::new(8000, 2),
+            plain: Model::new(2000, 4),
+            positions: [[Model::EVEN; 33]; 3],
+        }
+    }
+}
+
+/// What may come next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Step {
+    /// Base positions, one plane or more.
+    Base,
+    /// A level begins.
+    Begin(usize),
+    /// A class of a level, one plane or more.
+    Refine(usize, usize),
+}
+
+impl State<'_> {
+    /// What may come next, each with the plane it is at, in the order in which it is offered.
+    fn candidates(&self) -> Vec<(Step, u32)> {
+        let mut all = vec![(8 * self.base_plane as i32, Step::Base, self.base_plane)];
+        for (j, details) in self.levels.iter().enumerate() {
+            let value = |class: usize| {
+                8 * details.planes[class] as i32 - PER_LEVEL * j as i32 - TANGENTIAL * class as i32
+            };
+            if details.known.is_empty() {
+                all.push((value(0) - BEGINNING, Step::Begin(j), details.planes[0]));
+            } else {
+                all.extend([0, 1].map(|class| (value(class), Step::Refine(j, class), details.planes[class])));
+            }
+        }
+        all.retain(|&(_, _, plane)| plane > 0);
+        all.sort_by_key(|&(value, ..)| -value);
+        all.into_iter().map(|(_, step, plane)| (step, plane)).collect()
+    }
+
+    /// The positions of `M^level` as far as they are known.
+    fn positions(&self, level: usize) -> Vec<Vector> {
+        let mut positions = self.known_base();
+        for j in 0..level {
+            positions = rows::synthesise_level(
+                self.hierarchy,
+                self.filters,
+                Level(j as u8),
+                &positions,
+                &self.details(j),
+            );
+        }
+        positions
+    }
+
+    fn known_base(&self) -> Vec<Vector> {
+        let middle = |at: usize, x: i32| {
+            let plane = match self.base_cut {
+                Some((first, above)) if at >= first => above,
+                _ => self.base_plane,
+            };
+            if plane == 0 { x } else { x.wrapping_add(1 << (plane - 1)) }
+        };
+        self.base.iter().enumerate().map(|(at, c)| c.map(|x| middle(at, x))).collect()
+    }
+
+    /// `d^j` as far as it is known.
+    fn details(&self, j: usize) -> Vec<Vector> {
+        let (coarse, fine) =
+            (self.hierarchy.layout(Level(j as u8)), self.hierarchy.layout(Level(j as u8 + 1)));
+        let details = &self.levels[j];
+        if details.known.is_empty() {
+            return vec![[0; 3]; coarse.odd_len() as usize];
+        }
+        let of_odd = |odd: u32| {
+            let known = details.known[fine.slot(coarse.odd_site(Odd(odd))).index()];
+            let mut local = [0; 3];
+            for (class, range) in CLASSES.into_iter().enumerate() {
+                let plane = match details.cut {
+                    Some((cut, first, above)) if cut == class && odd >= first => above,
+                    _ => details.planes[class],
+                };
+                for c in range {
+                    local[c] = restored(known[c], plane);
+                }
+            }
+            details.frames[odd as usize].turn_back(local)
+        };
+        (0..coarse.odd_len()).into_par_iter().with_min_len(1024).map(of_odd).collect()
+    }
+
+    /// Gets a level ready for its first block: its frames are those of the positions known now, and never change. Then
+    /// each class's highest plane, counted down from the level's.
+    fn begin<C: Coder>(&mut self, coder: &mut C, j: usize, truth: &mut Truth) {
+        let positions = self.positions(j);
+        let frames = frames(self.hierarchy, Level(j as u8), &positions);
+        let details = &mut self.levels[j];
+        if C::WRITES {
+            truth.local[j].par_iter_mut().zip(&frames).for_each(|(d, frame)| *d = frame.turn(*d));
+        }
+        for class in 0..2 {
+            let plane = if C::WRITES { highest(&truth.local[j], class) } else { 0 };
+            let most = details.planes[class];
+            details.planes[class] = most.saturating_sub(coder.raw(5, most.wrapping_sub(plane) & 31));
+        }
+        details.frames = frames;
+        details.known = vec![[0; 3]; self.hierarchy.layout(Level(j as u8 + 1)).len() as usize];
+    }
+
+    /// Codes a block of a level; whether all of it was there.
+    fn block<C: Coder>(&mut self, coder: &mut C, j: usize, block: Block, truth: &[Vector]) -> bool {
+        let (before, rest) = self.levels.split_at_mut(j);
+        let mut planes = Planes {
+            coarse: self.hierarchy.layout(Level(j as u8)),
+            fine: self.hierarchy.layout(Level(j as u8 + 1)),
+            known: &mut rest[0].known,
+            parents: before.last().map_or(&[], |details| &details.known),
+            truth,
+        };
+        let stopped = code(coder, &mut self.models, block, &mut planes).err();
+        rest[0].planes[block.class] = block.to;
+        rest[0].cut = stopped.map(|first| (block.class, first, block.from));
+        stopped.is_none()
+    }
+
+    /// A plane more of the base positions.
+    fn base_block<C: Coder>(&mut self, coder: &mut C, to: u32, truth: &[Vector]) -> bool {
+        let count = self.base_plane - to;
+        for at in 0..self.base.len() {
+            let truth = if C::WRITES { truth[at] } else { [0; 3] };
+            let more = truth.map(|x| {
+                let low = (x >> to) as u32 & ((1u64 << count) - 1) as u32;
+                (coder.long_raw(count, low) << to) as i32
+            });
+            if coder.is_exhausted() {
+                self.base_cut = Some((at, self.base_plane));
+                self.base_plane = to;
+                return false;
+            }
+            self.base[at] = [0, 1, 2].map(|c| self.base[at][c] | more[c]);
+        }
+        self.base_plane = to;
+        true
+    }
+
+    /// What comes before the first block: the base positions down to a plane, and every level's highest planes. Whether
+    /// it was all there.
+    fn beginning<C: Coder>(&mut self, coder: &mut C, truth: &Truth) -> bool {
+        self.base_plane = coder.raw(5, self.base_plane).min(MOST_PLANES);
+        let (plane, neighbours) = (self.base_plane, lower_neighbours(self.hierarchy.layout(Level::BASE)));
+        for (at, around) in neighbours.iter().enumerate() {
+            let expected = |c: usize| match around.len() {
+                0 => self.base[at.saturating_sub(1)][c] >> plane,
+                count => {
+                    let sum: i64 = around.iter().map(|&v| i64::from(self.base[v as usize][c] >> plane)).sum();
+                    sum.div_euclid(count as i64) as i32
+                }
+            };
+            let truth = if C::WRITES { truth.base[at] } else { [0; 3] };
+            self.base[at] = [0, 1, 2].map(|c| {
+                let expected = expected(c);
+                let off =
+                    signed(coder, &mut self.order.positions[c], (truth[c] >> plane).wrapping_sub(expected));
+                expected.wrapping_add(off) << plane
+            });
+            if coder.is_exhausted() {
+                return false;
+            }
+        }
+        for j in 0..self.levels.len() {
+            let most = if C::WRITES { bound(&truth.local[j]) } else { 0 };
+            self.levels[j].planes = [coder.raw(5, most).min(MOST_PLANES); 2];
+        }
+        !coder.is_exhausted()
+    }
+}
+
+fn restored(known: i32, plane: u32) -> i32 {
+    let middle = ((7i64 << plane) >> 4) as i32;
+    match known {
+        0 => 0,
+        x if x < 0 => x.wrapping_sub(middle),
+        x => x.wrapping_add(middle),
+    }
+}
+
+/// A signed number: zero or not, sign, and the magnitude less one by its length.
+fn signed<C: Coder>(coder: &mut C, models: &mut [Model; 33], x: i32) -> i32 {
+    let folded = if C::WRITES { ((x << 1) ^ (x >> 31)) as u32 } else { 0 };
+    let bits = 32 - folded.leading_zeros();
+    let mut length = 0;
+    while length < 32 && coder.bit(&mut models[length as usize], bits > length) {
+        length += 1;
+    }
+    if length == 0 {
+        return 0;
+    }
+    let low = coder.long_raw(length - 1, folded & ((1u64 << (length - 1)) - 1) as u32);
+    let folded = low | (1u64 << (length - 1)) as u32;
+    (folded >> 1) as i32 ^ -((folded & 1) as i32)
+}
+
+/// Of every base vertex the neighbours with lower numbers.
+fn lower_neighbours(layout: &Layout) -> Vec<Vec<u32>> {
+    let mut lower = vec![Vec::new(); layout.len() as usize];
+    for &[low, high] in layout.base().edges() {
+        lower[high as usize].push(low);
+    }
+    lower
+}
+
+/// What is to be written, as the stream holds it.
+#[derive(Default)]
+struct Truth {
+    base: Vec<Vector>,
+    /// By level and odd vertex, in the level's frames; filled in as levels begin, before that as `d^j` is.
+    local: Vec<Vec<Vector>>,
+}
+
+/// How many planes a class of a level has.
+fn highest(local: &[Vector], class: usize) -> u32 {
+    let most =
+        local.iter().flat_map(|v| &v[CLASSES[class].clone()]).map(|x| x.unsigned_abs()).max().unwrap_or(0);
+    32 - most.leading_zeros()
+}
+
+/// A plane that no part of any coefficient reaches, in whatever frame: none is larger than the sum of the three
+/// magnitudes, but for rounding.
+fn bound(details: &[Vector]) -> u32 {
+    let size = |d: &Vector| d.iter().map(|x| x.unsigned_abs()).sum::<u32>();
+    match details.iter().map(size).max() {
+        None | Some(0) => 0,
+        Some(most) => 32 - (most + 1).leading_zeros(),
+    }
+}
+
+/// What a writer chose, or a reader was told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Choice {
+    /// Which of the candidates.
+    index: usize,
+    /// How many planes.
+    count: u32,
+    plain: bool,
+}
+
+impl State<'_> {
+    /// Codes which step comes next, and takes it; whether all of it was there.
+    fn step<C: Coder>(
+        &mut self,
+        coder: &mut C,
+        candidates: &[(Step, u32)],
+        chosen: Choice,
+        truth: &mut Truth,
+    ) -> bool {
+        let mut index = 0;
+        while index + 1 < candidates.len()
+            && !coder.bit(&mut self.order.taken[index.min(3)], chosen.index == index)
+        {
+            index += 1;
+        }
+        let (step, plane) = candidates[index];
+        let mut count = 1;
+        if !matches!(step, Step::Begin(_)) {
+            while count < plane && coder.bit(&mut self.order.more, chosen.count > count) {
+                count += 1;
+            }
+        }
+        let plain = matches!(step, Step::Refine(..)) && coder.bit(&mut self.order.plain, chosen.plain);
+        if coder.is_exhausted() {
+            return false;
+        }
+        let to = plane - count.min(plane);
+        match step {
+            Step::Base => self.base_block(coder, to, &truth.base),
+            Step::Begin(j) => {
+                self.begin(coder, j, truth);
+                !coder.is_exhausted()
+            }
+            Step::Refine(j, class) => {
+                let truth = if C::WRITES { truth.local[j].as_slice() } else { &[] };
+                self.block(coder, j, Block { class, from: plane, to, plain }, truth)
+            }
+        }
+    }
+}
+
+/// How a writer goes through the planes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::file) enum Granularity {
+    /// Plane by plane: the best model for every number of bytes.
+    Fine,
+    /// Large levels in two steps: read several times faster.
+    Coarse,
+}
+
+/// A place where a stream can be cut at no loss.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::file) struct Border {
+    /// How many bytes are read here.
+    pub(in crate::file) position: usize,
+    /// The root of the mean squared error left, in steps, as the coefficients tell it.
+    pub(in crate::file) error: f64,
+}
+
+/// A stream and its borders, the last its end.
+pub(in crate::file) struct Encoded {
+    pub(in crate::file) bytes: Vec<u8>,
+    pub(in crate::file) borders: Vec<Border>,
+}
+
+/// Writes coefficients, `c^0` and each `d^j`, as a stream. `O(n_J)` for each plane.
+pub(in crate::file) fn encode_stream(
+    hierarchy: &Hierarchy,
+    filters: &Filters,
+    precision: u8,
+    base: &[Vector],
+    details: &[&[Vector]],
+    granularity: Granularity,
+) -> Encoded {
+    let mut truth = Truth { base: base.to_vec(), local: details.iter().map(|d| d.to_vec()).collect() };
+    let mut state = State::new(hierarchy, filters);
+    state.base_plane = if details.is_empty() { 0 } else { u32::from(precision).saturating_sub(6) };
+    let mut encoder = Encoder::default();
+    state.beginning(&mut encoder, &truth);
+    let mut errors = Errors::new(&state, &truth);
+    let mut borders = vec![Border { position: encoder.position(), error: errors.total(hierarchy) }];
+    loop {
+        let candidates = state.candidates();
+        let Some(&(step, plane)) = candidates.first() else { break };
+        let choice = choose(&truth, granularity, step, plane);
+        state.step(&mut encoder, &candidates, choice, &mut truth);
+        errors.renew(&state, &truth, step);
+        borders.push(Border { position: encoder.position(), error: errors.total(hierarchy) });
+    }
+    Encoded { bytes: encoder.finish(), borders }
+}
+
+/// How many planes of the first candidate to write, and how.
+fn choose(truth: &Truth, granularity: Granularity, step: Step, plane: u32) -> Choice {
+    let one = Choice { index: 0, count: 1, plain: false };
+    let Step::Refine(j, class) = step else { return one };
+    let local = &truth.local[j];
+    let range = CLASSES[class].clone();
+    let sum: u64 = local.iter().flat_map(|v| &v[range.clone()]).map(|x| u64::from(x.unsigned_abs())).sum();
+    let mean = sum / (local.len() * range.len()).max(1) as u64;
+    // The mean magnitude has so many bits; three below it, a plane is noise.
+    let bits = 64 - mean.leading_zeros();
+    let noise = bits.saturating_sub(3);
+    let plain = plane <= noise;
+    match granularity {
+        Granularity::Coarse if local.len() > 1 << 13 => {
+            Choice { count: if plain { plane } else { plane - noise }, plain, ..one }
+        }
+        _ => Choice { plain, ..one },
+    }
+}
+
+/// The squared errors left, by level and class.
+struct Errors {
+    base: f64,
+    levels: Vec<[f64; 2]>,
+}
+
+impl Errors {
+    fn new(state: &State, truth: &Truth) -> Self {
+        let mut errors = Self { base: 0.0, levels: vec![[0.0; 2]; state.levels.len()] };
+        errors.renew(state, truth, Step::Base);
+        for j in 0..state.levels.len() {
+            errors.renew(state, truth, Step::Begin(j));
+        }
+        errors
+    }
+
+    fn renew(&mut self, state: &State, truth: &Truth, step: Step) {
+        let square = |x: i32, y: i32| {
+            let off = f64::from(x) - f64::from(y);
+            off * off
+        };
+        match step {
+            Step::Base => {
+                let known = state.known_base();
+                let pairs = known.iter().zip(&truth.base);
+                self.base = pairs.map(|(k, t)| (0..3).map(|c| square(k[c], t[c])).sum::<f64>()).sum();
+            }
+            Step::Begin(j) => (0..2).for_each(|class| self.renew(state, truth, Step::Refine(j, class))),
+            Step::Refine(j, class) => {
+                let (coarse, fine) =
+                    (state.hierarchy.layout(Level(j as u8)), state.hierarchy.layout(Level(j as u8 + 1)));
+                let details = &state.levels[j];
+                let range = CLASSES[class].clone();
+                let of_odd = |(odd, t): (usize, &Vector)| {
+                    let known = match details.known.is_empty() {
+                        true => [0; 3],
+                        false => details.known[fine.slot(coarse.odd_site(Odd(odd as u32))).index()],
+                    };
+                    range
+                        .clone()
+                        .map(|c| square(restored(known[c], details.planes[class]), t[c]))
+                        .sum::<f64>()
+                };
+                // In order, so that the sum does not depend on threads.
+                self.levels[j][class] = truth.local[j].iter().enumerate().map(of_odd).sum();
+            }
+        }
+    }
+
+    /// The root of the mean over the surface. A tangential error counts a sixteenth.
+    fn total(&self, hierarchy: &Hierarchy) -> f64 {
+        let faces = hierarchy.base().faces().len() as f64;
+        let levels = self
+            .levels
+            .iter()
+            .enumerate()
+            .map(|(j, [normal, tangential])| (normal + tangential / 16.0) / f64::from(4u32 << (2 * j)));
+        ((self.base + levels.sum::<f64>()) / faces).sqrt()
+    }
+}
+
+/// What a stream, or the part of it that is there, holds.
+pub(in crate::file) struct Decoded {
+    /// `c^0`.
+    pub(in crate::file) base: Vec<Vector>,
+    /// Each `d^j`.
+    pub(in crate::file) details: Vec<Vec<Vector>>,
+    /// Whether every bit is known.
+    pub(in crate::file) exact: bool,
+}
+
+/// Reads a stream as far as it goes. `None` if the base positions are not all there. `O(n_J)` for each plane.
+pub(in crate::file) fn decode_stream(
+    hierarchy: &Hierarchy,
+    filters: &Filters,
+    bytes: &[u8],
+) -> Option<Decoded> {
+    let mut state = State::new(hierarchy, filters);
+    let mut decoder = Decoder::new(bytes);
+    let mut truth = Truth::default();
+    if !state.beginning(&mut decoder, &truth) {
+        return None;
+    }
+    let mut exact = false;
+    loop {
+        let candidates = state.candidates();
+        if candidates.is_empty() {
+            exact = true;
+            break;
+        }
+        if !state.step(&mut decoder, &candidates, Choice { index: 0, count: 0, plain: false }, &mut truth) {
+            break;
+        }
+    }
+    let details = (0..state.levels.len()).map(|j| state.details(j)).collect();
+    Some(Decoded { base: state.known_base(), details, exact })
+}
+
+impl<'a> State<'a> {
+    fn new(hierarchy: &'a Hierarchy, filters: &'a Filters) -> Self {
+        Self {
+            hierarchy,
+            filters,
+            base: vec![[0; 3]; hierarchy.base().vertex_count() as usize],
+            base_plane: 0,
+            base_cut: None,
+            levels: (0..hierarchy.finest().0).map(|_| Details::default()).collect(),
+            models: Models::default(),
+            order: OrderModels::default(),
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Small files: as much of a surface as so many bytes hold, or as little as a distance allows.
+//!
+//! The embedded stream is cut; what a reader makes of the rest is a surface of its own, and the file is complete: it
+//! states that surface's hash and has an end marker. Source indices are left out, for they cost more than the surface.
+
+use super::progressive::{Encoded, decode_stream};
+use super::wavelet_file::{Model, encode_parts, finest_stream};
+use crate::mesh::{CompareOptions, TriangleMesh, compare};
+use crate::surface::{LIMIT, Surface};
+use thiserror::Error;
+
+/// How small a file is to be.
+#[derive(Debug, Clone, Copy)]
+pub enum Size<'a> {
+    /// At most so many bytes.
+    Bytes(usize),
+    /// As few bytes as bring the surface so near to a mesh, in decibels: `−20 log10` of the larger root mean square
+    /// distance over the mesh's diagonal.
+    Psnr(f64, &'a TriangleMesh),
+}
+
+/// Why there is no such file.
+#[derive(Debug, Error, Clone, Copy, PartialEq)]
+pub enum NoSuchFile {
+    /// The base mesh alone needs more.
+    #[error("the base mesh alone takes {least} bytes; ask for that many or more")]
+    TooSmall {
+        /// What the least file takes.
+        least: usize,
+    },
+    /// Even the whole surface is not as near.
+    #[error("the whole surface is at {best:.2} dB; ask for less, or import with more levels or base faces")]
+    NotThatNear {
+        /// How near it is.
+        best: f64,
+    },
+}
+
+/// A wavelet file of at most that size, and the surface in it. Cost: writing the whole, and reading and, for a distance,
+/// measuring a part some ten times.
+///
+/// # Errors
+/// No file can be that small, or none that near.
+pub fn encode_smaller(model: &Model, size: Size) -> Result<(Vec<u8>, Model), NoSuchFile> {
+    let stream = finest_stream(&model.surface);
+    let least = stream.borders[0].position;
+    match size {
+        Size::Bytes(bytes) => {
+            let mut cut = stream.bytes.len().min(bytes.max(least));
+            loop {
+                let (file, smaller) = cut_to(model, &stream, cut);
+                if file.len() <= bytes {
+                    return Ok((file, smaller));
+                }
+                if cut == least {
+                    return Err(NoSuchFile::TooSmall { least: file.len() });
+                }
+                cut = cut.saturating_sub(file.len() - bytes).max(least);
+            }
+        }
+        Size::Psnr(wanted, mesh) => {
+            let found = |at: usize| {
+                let (file, smaller) =
+                    cut_to(model, &stream, stream.borders[at].position.min(stream.bytes.len()));
+                (psnr(mesh, &smaller.surface), file, smaller)
+            };
+            let last = stream.borders.len() - 1;
+            let (best, file, whole) = found(last);
+            if best < wanted {
+                return Err(NoSuchFile::NotThatNear { best });
+            }
+            // The nearest border found that is near enough, and one before it that is not.
+            let (mut result, mut high, mut low) = ((file, whole), last, None);
+            while low.map_or(high > 0, |low| low + 1 < high) {
+                let middle = low.map_or(high / 2, |low| (low + high) / 2);
+                let (psnr, file, smaller) = found(middle);
+                if psnr >= wanted {
+                    (result, high) = ((file, smaller), middle);
+                } else {
+                    low = Some(middle);
+                }
+            }
+            Ok(result)
+        }
+    }
+}
+
+/// The file that holds the first bytes of a stream, and the surface that these hold.
+fn cut_to(model: &Model, stream: &Encoded, length: usize) -> (Vec<u8>, Model) {
+    let surface = &model.surface;
+    let bytes = stream.bytes[..length].to_vec();
+    let held =
+        decode_stream(surface.hierarchy(), surface.filters(), &bytes).expect("the base positions are there");
+    let within = |v: [i32; 3]| v.map(|x| x.clamp(-LIMIT, LIMIT));
+    let held = Surface::from_coefficients(
+        surface.hierarchy().as_ref().clone(),
+        surface.form().clone(),
+        held.base.into_iter().map(within).collect(),
+        held.details.into_iter().map(|d| d.into_iter().map(within).collect()).collect(),
+    )
+    .expect("its weights were solved before");
+    let borders = stream.borders.iter().copied().filter(|border| border.position <= length).collect();
+    let mut smaller = Model::new(held, None, model.metadata.clone());
+    smaller.unknown.clone_from(&model.unknown);
+    (encode_parts(&smaller, &Encoded { bytes, borders }), smaller)
+}
+
+fn psnr(mesh: &TriangleMesh, surface: &Surface) -> f64 {
+    let options = CompareOptions::default();
+    match compare(mesh, &surface.to_mesh(surface.finest()), &options, &|_| true) {
+        Ok(found) => found.psnr.unwrap_or(f64::INFINITY),
+        // A surface without extent has no distance worth a name.
+        Err(_) => 0.0,
+    }
+}
