@@ -3,6 +3,9 @@
 //! Blocks are offered in a fixed order, by how far a step of their plane moves the surface; a bit says whether the block
 //! offered is taken. So the writer may choose another order, and pays for it only where it does.
 
+mod errors;
+
+use self::errors::Errors;
 use super::frames::{Frame, frames};
 use super::planes::{Block, CLASSES, Level as Planes, Models, code};
 use super::range_coder::{Coder, Decoder, Encoder, Model};
@@ -411,67 +414,6 @@ fn choose(truth: &Truth, granularity: Granularity, step: Step, plane: u32) -> Ch
             Choice { count: if plain { plane } else { plane - noise }, plain, ..one }
         }
         _ => Choice { plain, ..one },
-    }
-}
-
-/// The squared errors left, by level and class.
-struct Errors {
-    base: f64,
-    levels: Vec<[f64; 2]>,
-}
-
-impl Errors {
-    fn new(state: &State, truth: &Truth) -> Self {
-        let mut errors = Self { base: 0.0, levels: vec![[0.0; 2]; state.levels.len()] };
-        errors.renew(state, truth, Step::Base);
-        for j in 0..state.levels.len() {
-            errors.renew(state, truth, Step::Begin(j));
-        }
-        errors
-    }
-
-    fn renew(&mut self, state: &State, truth: &Truth, step: Step) {
-        let square = |x: i32, y: i32| {
-            let off = f64::from(x) - f64::from(y);
-            off * off
-        };
-        match step {
-            Step::Base => {
-                let known = state.known_base();
-                let pairs = known.iter().zip(&truth.base);
-                self.base = pairs.map(|(k, t)| (0..3).map(|c| square(k[c], t[c])).sum::<f64>()).sum();
-            }
-            Step::Begin(j) => (0..2).for_each(|class| self.renew(state, truth, Step::Refine(j, class))),
-            Step::Refine(j, class) => {
-                let (coarse, fine) =
-                    (state.hierarchy.layout(Level(j as u8)), state.hierarchy.layout(Level(j as u8 + 1)));
-                let details = &state.levels[j];
-                let range = CLASSES[class].clone();
-                let of_odd = |(odd, t): (usize, &Vector)| {
-                    let known = match details.known.is_empty() {
-                        true => [0; 3],
-                        false => details.known[fine.slot(coarse.odd_site(Odd(odd as u32))).index()],
-                    };
-                    range
-                        .clone()
-                        .map(|c| square(restored(known[c], details.planes[class]), t[c]))
-                        .sum::<f64>()
-                };
-                // In order, so that the sum does not depend on threads.
-                self.levels[j][class] = truth.local[j].iter().enumerate().map(of_odd).sum();
-            }
-        }
-    }
-
-    /// The root of the mean over the surface. A tangential error counts a sixteenth.
-    fn total(&self, hierarchy: &Hierarchy) -> f64 {
-        let faces = hierarchy.base().faces().len() as f64;
-        let levels = self
-            .levels
-            .iter()
-            .enumerate()
-            .map(|(j, [normal, tangential])| (normal + tangential / 16.0) / f64::from(4u32 << (2 * j)));
-        ((self.base + levels.sum::<f64>()) / faces).sqrt()
     }
 }
 
