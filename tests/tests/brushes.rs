@@ -353,7 +353,7 @@ fn mouse_habits_of_other_programs() {
     let mut harness = editor(Start::sample().expect("the sample opens"));
     let at = middle(&harness);
     let turned = |harness: &mut Harness<'_, Editor>, which: PointerButton, modifiers: Modifiers| {
-        let before = harness.state().camera().clone();
+        let before = *harness.state().camera();
         harness.event(Event::ModifiersChanged(modifiers));
         harness.event(Event::PointerMoved(at));
         harness.run_steps(1);
@@ -364,7 +364,7 @@ fn mouse_habits_of_other_programs() {
         harness.event(button(false, at + egui::vec2(40.0, 30.0), which, modifiers));
         harness.event(Event::ModifiersChanged(Modifiers::NONE));
         harness.run_steps(2);
-        let after = harness.state().camera().clone();
+        let after = *harness.state().camera();
         let panned = (after.target - before.target).length() > 1e-6;
         (after.yaw != before.yaw, panned, after.distance != before.distance)
     };

@@ -183,7 +183,7 @@ impl Settings {
         let spacing = |n: u32| (4.0 * std::f64::consts::PI / f64::from(n)).sqrt();
         let fine_enough = |n: &u32| spacing(*n) <= 0.25 * self.brush_radius;
         let counts: Vec<u32> = vertices.collect();
-        let level = counts.iter().position(|n| fine_enough(n)).unwrap_or(counts.len() - 1);
+        let level = counts.iter().position(fine_enough).unwrap_or(counts.len() - 1);
         Level(level as u8)
     }
 
