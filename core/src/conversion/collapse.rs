@@ -43,7 +43,7 @@ const SLIVER_PENALTY: f64 = 0.5;
 /// Factor for each step of valence above seven.
 const VALENCE_PENALTY: f64 = 1.5;
 /// Quadric values below this fraction of the squared diagonal are rounding; the point quadrics order those.
-const ROUNDING: f64 = 1e-18;
+pub(super) const ROUNDING: f64 = 1e-18;
 /// The widest angle for a face between sharp edges: one of 180° or more would be folded.
 const WIDEST: f64 = 150.0 / 180.0 * std::f64::consts::PI;
 /// More local vertices than this are not worth flattening (and have no byte for a number).
@@ -190,11 +190,7 @@ impl Collapser {
         } else {
             let (p, q) = (mesh.positions[kept as usize], mesh.positions[gone as usize]);
             let quadric = quadrics[kept as usize].plus(&quadrics[gone as usize]);
-            let reach = p.distance(q);
-            quadric
-                .minimum()
-                .filter(|x| x.distance(p + (q - p) * 0.5) <= 1.5 * reach)
-                .unwrap_or_else(|| quadric.minimum_between(p, q))
+            quadric.minimum_near(p, q)
         };
         Some(Plan { kept, gone, stays, along, place })
     }

@@ -95,25 +95,30 @@ impl Curves {
 
     /// The weighted mean along the curve that all the addresses are on; `None` if there is none.
     pub(super) fn blend(&self, base: &BaseMesh, parts: &[(f64, Address)]) -> Option<Address> {
-        let candidates = self.parameters(base, parts.first()?.1);
-        candidates.into_iter().find_map(|(chain, from)| {
-            let length = self.chains[chain as usize].edges.len() as f64;
-            let mut sum = 0.0;
+        // A chain from a pinned vertex round to itself passes that twice: the nearer pass counts.
+        let blends = self.parameters(base, parts.first()?.1).into_iter().filter_map(|(chain, from)| {
+            let (mut sum, mut farthest) = (0.0, 0.0f64);
             for &(weight, address) in parts {
-                let near = |t: f64| {
-                    let off = t - from;
-                    if self.chains[chain as usize].closed {
-                        off - length * (off / length).round()
-                    } else {
-                        off
-                    }
-                };
-                let own = self.parameters(base, address).into_iter().filter(|own| own.0 == chain);
-                let off = own.map(|own| near(own.1)).min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+                let off = self.off(base, address, chain, from)?;
                 sum += weight * off;
+                farthest = farthest.max(off.abs());
             }
-            Some(self.at(base, chain, from + sum))
-        })
+            Some((farthest, chain, from + sum))
+        });
+        let (_, chain, t) = blends.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(self.at(base, chain, t))
+    }
+
+    /// How far along a chain an address is from a place on it, the shorter way; `None` if it is not on the chain.
+    fn off(&self, base: &BaseMesh, address: Address, chain: u32, from: f64) -> Option<f64> {
+        let Chain { edges, closed } = &self.chains[chain as usize];
+        let length = edges.len() as f64;
+        let near = |t: f64| {
+            let off = t - from;
+            if *closed { off - length * (off / length).round() } else { off }
+        };
+        let own = self.parameters(base, address).into_iter().filter(|own| own.0 == chain);
+        own.map(|own| near(own.1)).min_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
     /// The chains an address is on, and where.
@@ -174,5 +179,30 @@ impl Curves {
         b[k] = 1.0 - along;
         b[(k + 1) % 3] = along;
         Address { face: side.face, b }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A loop with one pinned vertex begins and ends there: a place shortly before the end is near it, not a whole
+    /// loop away.
+    #[test]
+    fn a_pinned_vertex_is_near_both_ends_of_its_loop() {
+        let base = BaseMesh::new(5, (0..4).map(|k| [k, (k + 1) % 4, 4]).collect(), &[]).expect("a fan");
+        assert_eq!(base.boundary_loops(), 1);
+        let curves = Curves::new(&base, &[true, false, false, false, false]);
+        let ends = [[0, 1], [0, 3]];
+        for near in ends {
+            let edge = base.edges().iter().position(|&e| e == near).expect("a side") as u32;
+            let [pinned, close] = [0.0, 0.25].map(|from_low| curves.on_edge(&base, edge, from_low));
+            for parts in [[(0.5, pinned), (0.5, close)], [(0.5, close), (0.5, pinned)]] {
+                let middle = curves.blend(&base, &parts).expect("both are on the boundary");
+                let wanted = curves.on_edge(&base, edge, 0.125);
+                assert_eq!(middle.face, wanted.face, "{near:?}");
+                assert!((0..3).all(|k| (middle.b[k] - wanted.b[k]).abs() < 1e-12), "{near:?}: {middle:?}");
+            }
+        }
     }
 }

@@ -4,8 +4,8 @@
 //! a sample is drawn to must face the same way as the sheet it came from: each vertex knows its place on the input, so
 //! the sheets of a thin wall or a tight valley stay apart. Starts from the fit and from the places themselves.
 //!
-//! Guarantees: a place is changed only where that makes it better; vertices on a boundary and those far from all such
-//! places stay; the same input gives the same result at any number of threads.
+//! Guarantees: a place is changed only where that makes it better; vertices on sharp edges and those far from all
+//! such places stay; the same input gives the same result at any number of threads.
 
 use super::fit::Iterate;
 use super::fitted::Fitted;

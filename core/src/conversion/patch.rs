@@ -86,14 +86,13 @@ impl Patch {
     pub(super) fn around(mending: &Mending, pulls: &Pulls, bad: &[u32], rings: usize) -> Self {
         let whole = mending.fitted;
         let faces = whole.pattern.faces();
-        let movable = |v: u32| whole.along_boundary[v as usize].is_none() && whole.held.is_free(v as usize);
         let mut inside = vec![false; whole.pattern.vertices()];
         let mut front: Vec<u32> = bad.iter().flat_map(|&f| faces[f as usize]).collect();
         for _ in 0..rings {
             front.retain(|&v| !std::mem::replace(&mut inside[v as usize], true));
             front = front.iter().flat_map(|&v| whole.pattern.neighbours(v as usize)).copied().collect();
         }
-        (0..inside.len()).for_each(|v| inside[v] &= movable(v as u32));
+        (0..inside.len()).for_each(|v| inside[v] &= whole.held.is_free(v));
         let touches = |f: usize, of: &[bool]| faces[f].iter().any(|&v| of[v as usize]);
         let mut list: Vec<u32> =
             (0..faces.len()).filter(|&f| touches(f, &inside)).map(|f| f as u32).collect();

@@ -43,9 +43,16 @@ impl Quadric {
     }
 
     /// The point of least value, if `A` can be inverted.
-    pub(super) fn minimum(&self) -> Option<DVec3> {
+    fn minimum(&self) -> Option<DVec3> {
         let x = self.matrix().inverse() * -self.b;
         x.is_finite().then_some(x)
+    }
+
+    /// The point of least value if it is nearer than 1.5 lengths to the middle of the segment from `p` to `q`, else that
+    /// on the segment.
+    pub(super) fn minimum_near(&self, p: DVec3, q: DVec3) -> DVec3 {
+        let near = |x: &DVec3| x.distance((p + q) * 0.5) <= 1.5 * p.distance(q);
+        self.minimum().filter(near).unwrap_or_else(|| self.minimum_between(p, q))
     }
 
     /// The least value on the segment from `p` to `q`, and where.

@@ -14,6 +14,7 @@ use super::parameterise::Parameterisation;
 use super::simplify::{Cancelled, simplify};
 use super::size::{Size, affordable};
 use super::target::Target;
+use super::thin::thin;
 use super::walk::Ground;
 use super::working_mesh::WorkingMesh;
 use crate::hierarchy::{Hierarchy, Level, NotABaseMesh};
@@ -178,6 +179,8 @@ struct Prepared {
 /// Inputs of more faces are thinned before they are parameterised: what that takes away is far smaller than the faces
 /// of the result, which is fitted to the whole input.
 const LARGEST_GROUND: usize = 250_000;
+/// Faces left of those.
+const THINNED: usize = 150_000;
 
 impl Prepared {
     fn new(
@@ -189,8 +192,8 @@ impl Prepared {
             return Ok(Self { ground: target.clone(), target, connectivity });
         }
         let mut working = working_mesh(&target, &connectivity);
-        let density = Density::new(&target, &connectivity, LARGEST_GROUND as f64, &Creases::default());
-        simplify(&mut working, None, LARGEST_GROUND, &density, &|done| progress(Phase::Simplify, done))?;
+        let density = Density::new(&target, &connectivity, THINNED as f64, &Creases::default());
+        thin(&mut working, THINNED, &density, &|done| progress(Phase::Simplify, done))?;
         let (positions, faces) = working.compact();
         let connectivity =
             Connectivity::build(positions.len() as u32, faces).expect("collapses keep a manifold");
@@ -243,7 +246,7 @@ fn attempt<'m>(
         if target.is_none() {
             scope.spawn(|_| *target = Target::new(input));
         }
-        simplify(&mut working, Some(&mut map), aim, &density, &|done| progress(Phase::Simplify, done))
+        simplify(&mut working, &mut map, aim, &density, &|done| progress(Phase::Simplify, done))
     })?;
     open_ears(&mut working, &mut map);
     flip_edges(&mut working, &mut map);

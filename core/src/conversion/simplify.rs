@@ -8,15 +8,15 @@
 //! base mesh. Non-guarantees: the number of faces asked for, where topology or flattening does not allow it.
 
 use super::collapse::{Attempt, CollapseRules, Collapser};
+use super::costs::Costs;
 use super::density::Density;
 use super::parameterise::Parameterisation;
-use super::quadric::Quadric;
 use super::working_mesh::WorkingMesh;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Demands, strictest first: used one after another while faces remain to be removed.
-const LADDER: [CollapseRules; 4] = [
+pub(super) const LADDER: [CollapseRules; 4] = [
     CollapseRules {
         valences: (4, 8),
         least_on_boundary: 3,
@@ -47,16 +47,8 @@ const LADDER: [CollapseRules; 4] = [
     },
 ];
 
-/// Weight of the planes that hold the boundary and sharp edges, against those of the faces.
-const BOUNDARY_WEIGHT: f64 = 10.0;
-/// Weight of the squared distance from the vertices gone by, against that of the planes: in flat regions it orders
-/// the collapses and keeps the faces even.
-const POINT_WEIGHT: f64 = 5e-4;
-/// Weight of the growth of squared error at the finest level, by the density, against the squared distance now. Within
-/// a factor of ten the result is the same on four scans.
-const DENSITY_WEIGHT: f64 = 1e-6;
 /// Attempts between two calls of the progress function.
-const STRIDE: usize = 512;
+pub(super) const STRIDE: usize = 512;
 
 /// The progress function asked to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,15 +82,15 @@ impl PartialEq for Candidate {
 
 impl Eq for Candidate {}
 
-/// Collapses edges until at most `target` faces are left or nothing more can go, recording each in `map` if there is
-/// one. `progress` takes the fraction done and returns whether to go on. Cost: `O(n log n)` for n faces, about 12 µs a
-/// collapse with a map and half of that without.
+/// Collapses edges until at most `target` faces are left or nothing more can go, recording each in `map`.
+/// `progress` takes the fraction done and returns whether to go on. Cost: `O(n log n)` for n faces, about 12 µs a
+/// collapse.
 ///
 /// # Errors
 /// The progress function asked to stop.
 pub(super) fn simplify(
     mesh: &mut WorkingMesh,
-    mut map: Option<&mut Parameterisation>,
+    map: &mut Parameterisation,
     target: usize,
     density: &Density,
     progress: &dyn Fn(f32) -> bool,
@@ -106,16 +98,12 @@ pub(super) fn simplify(
     let start = mesh.live_count();
     let done =
         |mesh: &WorkingMesh| (start - mesh.live_count()) as f32 / start.saturating_sub(target).max(1) as f32;
-    let mut quadrics = quadrics(mesh);
-    // The part of the surface each vertex stands for, by the density; a vertex of the result stands for 1.
-    let share = 2.0 / target as f64 * density.area();
-    let mut masses: Vec<f64> = density.at.iter().zip(&density.areas).map(|(d, a)| d * a / share).collect();
+    let mut costs = Costs::new(mesh, density, target);
     let mut stamps = vec![0u32; mesh.positions.len()];
     let mut collapser = Collapser::default();
     let mut neighbours = Vec::new();
     let mut attempts = 0usize;
-    let ladder = if map.is_some() { &LADDER[..] } else { &LADDER[..1] };
-    for rules in ladder {
+    for rules in &LADDER {
         let mut queue = BinaryHeap::new();
         let mut edges = live_edges(mesh);
         loop {
@@ -123,11 +111,8 @@ pub(super) fn simplify(
                 if at % STRIDE == STRIDE - 1 && !progress(done(mesh)) {
                     return Err(Cancelled);
                 }
-                if let Some((cost, shape)) = collapser.cost(mesh, &quadrics, ends, rules) {
-                    let [m, n] = ends.map(|v| masses[v as usize]);
-                    // By so much the cubes grow (see `density`).
-                    let crowding = 3.0 * m * n * (m + n);
-                    let cost = (cost + DENSITY_WEIGHT * crowding) * shape;
+                if let Some((cost, shape)) = collapser.cost(mesh, &costs.quadrics, ends, rules) {
+                    let cost = (cost + costs.crowding(ends)) * shape;
                     queue.push(Candidate { cost, ends, stamps: ends.map(|v| stamps[v as usize]) });
                 }
             }
@@ -145,12 +130,11 @@ pub(super) fn simplify(
                 return Err(Cancelled);
             }
             let Attempt::Done { kept, gone } =
-                collapser.collapse(mesh, map.as_deref_mut(), &quadrics, ends, rules)
+                collapser.collapse(mesh, Some(map), &costs.quadrics, ends, rules)
             else {
                 continue;
             };
-            quadrics[kept as usize] = quadrics[kept as usize].plus(&quadrics[gone as usize]);
-            masses[kept as usize] += masses[gone as usize];
+            costs.join(kept, gone);
             stamps[kept as usize] += 1;
             stamps[gone as usize] += 1;
             mesh.neighbours(kept, &mut neighbours);
@@ -173,36 +157,6 @@ fn live_edges(mesh: &WorkingMesh) -> Vec<[u32; 2]> {
     edges.sort_unstable();
     edges.dedup();
     edges
-}
-
-fn quadrics(mesh: &WorkingMesh) -> Vec<Quadric> {
-    let mut quadrics = vec![Quadric::default(); mesh.positions.len()];
-    for f in mesh.live_faces() {
-        let (face, [a, b, c]) = (mesh.face(f), mesh.corners(f));
-        let doubled = (b - a).cross(c - a);
-        let normal = doubled.normalize_or_zero();
-        let area = doubled.length() * 0.5;
-        let mut add = |v: u32, q: Quadric| quadrics[v as usize] = quadrics[v as usize].plus(&q);
-        for v in face {
-            add(v, Quadric::plane(normal, a, area / 3.0));
-            add(v, Quadric::point(mesh.positions[v as usize], POINT_WEIGHT * area / 3.0));
-        }
-        for k in 0..3 {
-            let (v, w) = (face[k], face[(k + 1) % 3]);
-            let on_boundary = mesh.is_boundary(v) && mesh.is_boundary(w) && mesh.sides(v, w)[1].is_none();
-            if on_boundary || mesh.is_crease(v, w) {
-                let (p, q) = (mesh.positions[v as usize], mesh.positions[w as usize]);
-                let side = (q - p).cross(normal).normalize_or_zero();
-                let weight = BOUNDARY_WEIGHT * p.distance_squared(q);
-                let quadric = Quadric::plane(side, p, weight)
-                    .plus(&Quadric::plane(normal, p, weight))
-                    .plus(&Quadric::point((p + q) * 0.5, POINT_WEIGHT * weight));
-                add(v, quadric);
-                add(w, quadric);
-            }
-        }
-    }
-    quadrics
 }
 
 #[cfg(test)]
