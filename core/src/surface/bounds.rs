@@ -5,7 +5,7 @@
 //! triangles, the first in order among equals, so it does not depend on how the boxes stand.
 
 use super::{Runs, Vector};
-use crate::hierarchy::{Address, Hierarchy, Layout, Level, Site, Slot, Subtriangle};
+use crate::hierarchy::{Address, Hierarchy, Layout, Level, Subtriangle};
 use crate::mesh::closest_on_triangle;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -94,38 +94,9 @@ impl BoundsTree {
     pub(super) fn follow(&mut self, hierarchy: &Hierarchy, positions: &[Vector], runs: &Runs) {
         let layout = hierarchy.layout(hierarchy.finest());
         let leaf = Level(self.boxes.len() as u8 - 1);
-        let depth = hierarchy.finest().0 - leaf.0;
         let n = leaf.segments();
-        let mut touched: Vec<Subtriangle> = Vec::new();
-        for mut run in runs.iter() {
-            while !run.is_empty() {
-                let first = run.start;
-                let Site::Face { face, i, r } = layout.site(Slot(first)) else {
-                    for triangle in Subtriangle::incident(layout, layout.site(Slot(first))) {
-                        let above = (0..depth).fold(triangle, |t, _| t.parent());
-                        self.touch(&mut touched, above, n);
-                    }
-                    run.start += 1;
-                    continue;
-                };
-                // A run may go on over several rows. The cells below and above a row hold all its triangles.
-                let columns = (run.len() as u32).min(layout.segments() - r - i);
-                let (from, to) = ((i - 1) >> depth, (i + columns - 1) >> depth);
-                let (below, above) = ((r - 1) >> depth, r >> depth);
-                for r in below..=above {
-                    for i in from..=to {
-                        for down in [false, true] {
-                            if i + r + u32::from(down) < n {
-                                self.touch(&mut touched, Subtriangle { face, i, r, down }, n);
-                            }
-                        }
-                    }
-                }
-                run.start += columns;
-            }
-        }
+        let mut touched = Subtriangle::holding(layout, runs.iter(), leaf, &mut self.seen);
         for &triangle in &touched {
-            self.seen[triangle.index(n) / 64] = 0;
             self.boxes[leaf.index()][triangle.index(n)] = leaf_box(layout, positions, triangle, leaf);
         }
         for level in (0..leaf.0).rev().map(Level) {
@@ -138,15 +109,6 @@ impl BoundsTree {
         groups.sort_unstable();
         groups.dedup();
         groups.into_iter().for_each(|group| self.refit_group(group));
-    }
-
-    fn touch(&mut self, touched: &mut Vec<Subtriangle>, triangle: Subtriangle, n: u32) {
-        let at = triangle.index(n);
-        let (word, bit) = (&mut self.seen[at / 64], 1 << (at % 64));
-        if *word & bit == 0 {
-            *word |= bit;
-            touched.push(triangle);
-        }
     }
 
     fn refit(&mut self, level: Level, triangle: Subtriangle) {
