@@ -59,8 +59,10 @@ pub(crate) struct Figures {
     pub(crate) edit_scale_ratio: f64,
     /// A scaling coefficient of level 0, committed and shown.
     pub(crate) edit_coarse_ms: f64,
-    /// A brush dab, shown but not committed.
+    /// A brush dab, neither committed nor shown.
     pub(crate) dab_ms: f64,
+    /// The same with the normals and what is to be uploaded.
+    pub(crate) dab_shown_ms: f64,
     /// The vertices it touched.
     pub(crate) dab_vertices: usize,
     /// Undo over edit, of the two edits the one where it is more.
@@ -117,6 +119,7 @@ pub(crate) fn measure(levels: u8, progress: &dyn Fn(f32)) -> Result<Figures> {
         edit_scale_ratio: large.edit / fine.edit,
         edit_coarse_ms: coarse.edit * 1e3,
         dab_ms: dab.seconds * 1e3,
+        dab_shown_ms: dab.shown * 1e3,
         dab_vertices: dab.vertices,
         undo_ratio: (fine.undo / fine.edit).max(coarse.undo / coarse.edit),
         open_ms: files.open * 1e3,

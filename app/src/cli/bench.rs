@@ -80,7 +80,8 @@ fn text(f: &Figures) -> String {
             ("a coefficient three levels up, committed", f.edit_fine_us, "µs"),
             ("the same with 16 times as many vertices", f.edit_scale_ratio, "times"),
             ("a coefficient of level 0, committed", f.edit_coarse_ms, "ms"),
-            (&touched, f.dab_ms, "ms"),
+            (&touched, f.dab_ms, "ms, neither committed nor shown"),
+            ("the same, shown", f.dab_shown_ms, "ms"),
             ("undo over edit", f.undo_ratio, "times"),
         ],
     );

@@ -33,6 +33,30 @@ impl Frame {
         self.place(steps).as_vec3().to_array()
     }
 
+    /// [`Self::place_f32`] of many at once.
+    ///
+    /// # Panics
+    /// If there are not as many places as positions.
+    pub fn place_all(&self, steps: &[Vector], places: &mut [[f32; 3]]) {
+        assert_eq!(steps.len(), places.len());
+        let step = self.step;
+        let scaled = |x: i32| (f64::from(x) * step) as f32;
+        match self.up {
+            UpAxis::Y => {
+                let all = steps.as_flattened().iter().zip(places.as_flattened_mut());
+                all.for_each(|(&x, place)| *place = scaled(x));
+            }
+            UpAxis::Z => {
+                let all = steps.iter().zip(places);
+                all.for_each(|(&[x, y, z], place)| *place = [scaled(x), scaled(z), -scaled(y)]);
+            }
+            UpAxis::X => {
+                let all = steps.iter().zip(places);
+                all.for_each(|(&[x, y, z], place)| *place = [-scaled(y), scaled(x), scaled(z)]);
+            }
+        }
+    }
+
     /// A model vector as it is drawn.
     pub fn turn(&self, model: DVec3) -> DVec3 {
         match self.up {
@@ -66,6 +90,10 @@ mod tests {
             assert_eq!(x.cross(y), z, "{up}: right hands stay right hands");
             let v = DVec3::new(0.25, -7.0, 3.5);
             assert_eq!(frame.turn_back(frame.turn(v)), v, "{up}");
+            let places = [[3, -5, 7], [0, 1 << 24, 9], [-1, 0, 1 - (1 << 24)]];
+            let mut placed = [[0.0; 3]; 3];
+            frame.place_all(&places, &mut placed);
+            assert_eq!(placed, places.map(|p| frame.place_f32(p)), "{up}");
             assert_eq!(frame.place_model(placement.to_model([4, -6, 8])), frame.place([4, -6, 8]), "{up}");
         }
     }

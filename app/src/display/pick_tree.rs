@@ -9,7 +9,6 @@ use bozzetto_core::hierarchy::{Address, Hierarchy, Layout, Level, Odd, Site, Slo
 use bozzetto_core::surface::{Moved, Surface};
 use glam::DVec3;
 use rayon::prelude::*;
-use rustc_hash::FxHashSet;
 
 /// Levels between the smallest boxes and the shown triangles: 16 triangles a box.
 const LEAF_DEPTH: u8 = 2;
@@ -63,6 +62,8 @@ pub struct Hit {
 pub struct PickTree {
     shown: Level,
     boxes: Vec<Vec<Bounds>>,
+    /// One bit per smallest box, clear between calls.
+    seen: Vec<u64>,
 }
 
 impl PickTree {
@@ -83,7 +84,8 @@ impl PickTree {
                     leaf_box(layout, vertices, triangle, shown.0 - leaf.0);
             }
         });
-        let mut tree = Self { shown, boxes };
+        let seen = vec![0; boxes[leaf.index()].len().div_ceil(64)];
+        let mut tree = Self { shown, boxes, seen };
         for level in (0..leaf.0).rev().map(Level) {
             let n = level.segments();
             for face in 0..faces {
@@ -107,21 +109,16 @@ impl PickTree {
         };
         let layout = surface.hierarchy().layout(self.shown);
         let leaf = Level(self.boxes.len() as u8 - 1);
-        let mut touched: FxHashSet<Subtriangle> = FxHashSet::default();
-        for slot in runs.slots() {
-            for triangle in Subtriangle::incident(layout, layout.site(slot)) {
-                touched.insert((leaf.0..self.shown.0).fold(triangle, |t, _| t.parent()));
-            }
-        }
+        let mut touched = Subtriangle::holding(layout, runs.iter(), leaf, &mut self.seen);
         for &triangle in &touched {
             self.boxes[leaf.index()][triangle.index(leaf.segments())] =
                 leaf_box(layout, vertices, triangle, self.shown.0 - leaf.0);
         }
         for level in (0..leaf.0).rev().map(Level) {
-            touched = touched.into_iter().map(Subtriangle::parent).collect();
-            for &triangle in &touched {
-                self.refit_inner(level, triangle);
-            }
+            touched.iter_mut().for_each(|t| *t = t.parent());
+            touched.sort_unstable_by_key(|t| t.index(level.segments()));
+            touched.dedup();
+            touched.iter().for_each(|&t| self.refit_inner(level, t));
         }
     }
 

@@ -44,19 +44,20 @@ impl ShownVertices {
                 difference(fine, shown.positions[slot as usize])
             })
             .collect();
-        for slot in 0..layout.len() {
-            shown.positions[slot as usize] = shown.placed(surface, Slot(slot));
-        }
+        shown.place(surface, 0..layout.len() as usize);
         shown.normals = normals::all(layout, &shown.positions);
         shown
     }
 
-    /// Where a slot is drawn now.
-    fn placed(&self, surface: &Surface, slot: Slot) -> [f32; 3] {
-        let at = self.frame.place_f32(surface.scaling(self.level)[slot.index()]);
-        match self.offsets.get(slot.index()) {
-            Some(offset) => std::array::from_fn(|c| at[c] + offset[c]),
-            None => at,
+    /// Places vertices where they are drawn now.
+    fn place(&mut self, surface: &Surface, slots: Range<usize>) {
+        let steps = &surface.scaling(self.level)[slots.clone()];
+        let positions = &mut self.positions[slots.clone()];
+        self.frame.place_all(steps, positions);
+        if !self.offsets.is_empty() {
+            for (position, offset) in positions.iter_mut().zip(&self.offsets[slots]) {
+                *position = std::array::from_fn(|c| position[c] + offset[c]);
+            }
         }
     }
 
@@ -90,8 +91,8 @@ impl ShownVertices {
             }
             Moved::Some(runs) => {
                 let layout = surface.hierarchy().layout(self.level);
-                for slot in runs.slots() {
-                    self.positions[slot.index()] = self.placed(surface, slot);
+                for run in runs.iter() {
+                    self.place(surface, run.start as usize..run.end as usize);
                 }
                 let turned = normals::widened(layout, &normals::rows_of(layout, runs.iter()));
                 normals::refresh(layout, &self.positions, &turned, &mut self.normals);

@@ -4,7 +4,7 @@ use crate::display::{Hit, PickTree, ShownVertices};
 use crate::render::{BoundingSphere, Ray};
 use bozzetto_core::edit::{Kind, true_reach};
 use bozzetto_core::hierarchy::{Address, Level, Odd, PublicId, Slot};
-use bozzetto_core::session::Session;
+use bozzetto_core::session::{Session, SessionError};
 use bozzetto_core::surface::{Changes, Surface};
 use glam::DVec3;
 use std::ops::Range;
@@ -77,6 +77,18 @@ impl Document {
         if let Ok(changes) = self.session.drag_to(delta) {
             self.follow(&changes);
         }
+    }
+
+    /// Moves the stroke under way, with the shown level where it is coarser than what is dragged.
+    ///
+    /// # Errors
+    /// As [`Session::drag_to`].
+    pub fn drag_to(&mut self, delta: [f64; 3]) -> Result<Changes, SessionError> {
+        let mut changes = self.session.drag_to(delta)?;
+        if self.session.stroke_home() > Some(self.vertices().level()) {
+            changes.join(self.session.settle_stroke());
+        }
+        Ok(changes)
     }
 
     /// Shows the chosen level again; whether another was shown.

@@ -97,7 +97,7 @@ impl Editor {
             }
             Command::DragTo(drawn) => {
                 let model = document.vertices().frame().turn_back(drawn).to_array();
-                document.session.drag_to(model)
+                document.drag_to(model)
             }
             Command::EndStroke => {
                 if document.end_preview() {

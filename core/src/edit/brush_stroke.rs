@@ -380,7 +380,7 @@ impl BrushStroke {
         let deltas = self.deltas(surface);
         let mut changes = Changes::nothing(surface);
         if let Some((_, deltas)) = &deltas.scaling {
-            let slots: Vec<Slot> = deltas.iter().map(|&(slot, _)| slot).collect();
+            let slots = Runs::of_slots(deltas.iter().map(|&(slot, _)| slot.0).collect());
             changes = surface.settle(level, &slots);
             if changes.beyond_limit {
                 self.cancel(surface);

@@ -17,14 +17,17 @@ mod region;
 mod spread;
 mod stroke;
 mod vocabulary;
+mod weighted;
 
 pub use apply::{Step, trial_of};
 pub use brush_stroke::BrushStroke;
 pub use deltas::{Deltas, Kept, MaskChange, Packed};
 pub use follow::{Follow, Turned};
 pub use line::{Entry, LONGEST_LINE, Line, LineError};
+pub(crate) use plan::added;
 pub use plan::{EditError, Plan, Region, plan};
 pub use pull::{Pull, Pulled, Spread};
 pub use reach::true_reach;
 pub use stroke::{Dab, MOST_DABS, Mirror, Stroke, Tool};
 pub use vocabulary::{Edit, Falloff, Gain, Kind, Move};
+pub(crate) use weighted::weighted_steps;

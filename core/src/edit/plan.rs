@@ -5,6 +5,7 @@ use super::pull::{Pull, Pulled};
 use super::region::{neighbourhood_of_odd, neighbourhood_of_slot};
 use super::stroke::Dab;
 use super::vocabulary::{Edit, Gain, Kind, Move};
+use super::weighted::weighted_steps;
 use crate::hierarchy::{Level, Odd, PublicId, Slot};
 use crate::surface::{LIMIT, Surface, Vector};
 use thiserror::Error;
@@ -116,7 +117,7 @@ fn plan_move(surface: &Surface, edit: &Move) -> Result<Plan, EditError> {
 /// The coefficients a move reaches, with their weights from 1 down to 0. Found once, at the start of a stroke.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Region {
-    /// Scaling coefficients of a level.
+    /// Scaling coefficients of a level, sorted by slot.
     Scaling(Level, Vec<(Slot, f64)>),
     /// Wavelet coefficients of a level.
     Wavelets(Level, Vec<(Odd, f64)>),
@@ -151,10 +152,12 @@ impl Region {
         Ok(match edit.kind {
             Kind::Scaling => {
                 let slot = layout.slot(layout.site_of(PublicId(vertex)));
-                let region = match radius {
+                let mut region = match radius {
                     None => vec![(slot, 0.0)],
                     Some(radius) => neighbourhood_of_slot(surface, level, slot, radius),
                 };
+                // In the order of storage, which following a hand goes through again and again.
+                region.sort_unstable_by_key(|&(slot, _)| slot);
                 Region::Scaling(level, region.into_iter().map(|(s, t)| (s, falloff.weight(t))).collect())
             }
             Kind::Wavelet => {
@@ -170,16 +173,20 @@ impl Region {
 
     /// The integers that a delta, in steps, adds: each weight times the delta, rounded once.
     pub fn moved_by(&self, delta: Vector) -> Plan {
-        fn scaled<T: Copy>(region: &[(T, f64)], delta: Vector) -> Vec<(T, Vector)> {
-            let times = |weight: f64| delta.map(|x| (f64::from(x) * weight).round() as i32);
-            region.iter().map(|&(at, weight)| (at, times(weight))).collect()
-        }
         match self {
-            Region::Scaling(level, region) => Plan::Scaling(*level, scaled(region, delta)),
-            Region::Wavelets(level, region) => Plan::Wavelets(*level, scaled(region, delta)),
+            Region::Scaling(level, region) => Plan::Scaling(*level, added(region, [[0; 3], delta])),
+            Region::Wavelets(level, region) => Plan::Wavelets(*level, added(region, [[0; 3], delta])),
             Region::Pulled(pulled) => Plan::Scaling(pulled.level, pulled.moved_by(delta)),
         }
     }
+}
+
+/// What is missing from the integers that one delta adds to those that another adds.
+pub(crate) fn added<T: Copy>(region: &[(T, f64)], deltas: [Vector; 2]) -> Vec<(T, Vector)> {
+    let weights: Vec<[f64; 3]> = region.iter().map(|&(_, weight)| [weight; 3]).collect();
+    let mut steps = Vec::new();
+    weighted_steps(&weights, deltas, &mut steps);
+    region.iter().zip(steps).map(|(&(at, _), step)| (at, step)).collect()
 }
 
 fn plan_pull(surface: &Surface, edit: &Pull) -> Result<Plan, EditError> {

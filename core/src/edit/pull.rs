@@ -9,6 +9,7 @@ use super::region::neighbourhood_of_slot;
 use super::spread::{SMOOTH_LEVELS, Weights, refined};
 use super::stroke::Mirror;
 use super::vocabulary::{Falloff, Kind, first, is_first};
+use super::weighted::weighted_steps;
 use crate::hierarchy::{Address, Level, PublicId, Site, Slot};
 use crate::surface::{Marks, Surface};
 use serde::{Deserialize, Serialize};
@@ -170,8 +171,10 @@ impl Pulled {
 
     /// The integers that a delta, in steps, adds: each weight times the delta, rounded once.
     pub fn moved_by(&self, delta: [i32; 3]) -> Vec<(Slot, [i32; 3])> {
-        let times = |w: Weights| std::array::from_fn(|c| (f64::from(delta[c]) * w[c]).round() as i32);
-        self.weights.iter().map(|&(slot, w)| (slot, times(w))).collect()
+        let weights: Vec<Weights> = self.weights.iter().map(|&(_, w)| w).collect();
+        let mut steps = Vec::new();
+        weighted_steps(&weights, [[0; 3], delta], &mut steps);
+        self.weights.iter().zip(steps).map(|(&(slot, _), step)| (slot, step)).collect()
     }
 }
 

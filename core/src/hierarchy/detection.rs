@@ -7,6 +7,7 @@
 
 use super::{BaseMesh, Hierarchy, Layout, Level, NotABaseMesh, Slot, base_mesh};
 use crate::mesh::connectivity::{Connectivity, NONE, NotManifold, previous};
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
@@ -53,8 +54,17 @@ pub fn own_base(vertex_count: u32, faces: &[[u32; 3]]) -> Result<Detected, NotAB
     Ok(Detected { hierarchy, source: (0..vertex_count).collect() })
 }
 
-/// The odd vertex on each coarse edge, by its ends (low, high), in the triangle list's indices.
-type Midpoints = FxHashMap<(u32, u32), u32>;
+/// The odd vertex on each coarse edge after its ends (low, high), in the triangle list's indices. Sorted: a table would take
+/// three times the memory.
+struct Midpoints(Vec<[u32; 3]>);
+
+impl Midpoints {
+    fn between(&self, a: u32, b: u32) -> Option<u32> {
+        let ends = [a.min(b), a.max(b)];
+        let at = self.0.binary_search_by(|edge| edge[..2].cmp(&ends)).ok()?;
+        Some(self.0[at][2])
+    }
+}
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Label {
@@ -70,7 +80,7 @@ fn coarsen(mesh: &Connectivity) -> Option<(Connectivity, Midpoints)> {
     }
     let labels = label(mesh)?;
     let mut faces = Vec::with_capacity(mesh.faces().len() / 4);
-    let mut midpoints = Midpoints::default();
+    let mut midpoints = Vec::with_capacity(labels.iter().filter(|&&label| label == Label::Odd).count());
     let mut corners_used = 0usize;
     for (f, face) in mesh.faces().iter().enumerate() {
         let evens = face.iter().filter(|&&v| labels[v as usize] == Label::Even).count();
@@ -94,8 +104,9 @@ fn coarsen(mesh: &Connectivity) -> Option<(Connectivity, Midpoints)> {
                 for k in 0..3 {
                     let (a, b) = (coarse[k], coarse[(k + 1) % 3]);
                     let middle = face[(k + 1) % 3];
-                    if *midpoints.entry((a.min(b), a.max(b))).or_insert(middle) != middle {
-                        return None;
+                    // Of the two sides of an inner edge one goes up.
+                    if a < b || mesh.is_boundary(middle) {
+                        midpoints.push([a.min(b), a.max(b), middle]);
                     }
                 }
                 faces.push(coarse);
@@ -106,8 +117,14 @@ fn coarsen(mesh: &Connectivity) -> Option<(Connectivity, Midpoints)> {
     if corners_used != 3 * faces.len() {
         return None;
     }
+    drop(labels);
+    midpoints.par_sort_unstable();
+    // Several edges between the same ends make no simplicial mesh.
+    if midpoints.windows(2).any(|pair| pair[0][..2] == pair[1][..2]) {
+        return None;
+    }
     let coarse = Connectivity::build(mesh.vertex_count(), faces).ok()?;
-    base_mesh::is_simplicial(&coarse).then_some((coarse, midpoints))
+    base_mesh::is_simplicial(&coarse).then_some((coarse, Midpoints(midpoints)))
 }
 
 /// Even and odd labels of all vertices that faces use, or `None` if no consistent labelling exists.
@@ -236,7 +253,7 @@ fn assemble(base: &Connectivity, steps: &[Midpoints]) -> Option<Detected> {
                 Some(even) => source[coarse.slot(even).index()],
                 None => {
                     let [a, b] = coarse.parents(site).map(|p| source[coarse.slot(p).index()]);
-                    *midpoints.get(&(a.min(b), a.max(b)))?
+                    midpoints.between(a, b)?
                 }
             };
         }

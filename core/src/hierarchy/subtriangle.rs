@@ -1,6 +1,7 @@
 //! The triangles that a base face falls into, level by level: each is split into four, so they are a quadtree.
 
-use super::{Layout, Site};
+use super::{Layout, Level, Site, Slot};
+use std::ops::Range;
 
 /// A triangle of `M^l` inside a base face, by its lattice place.
 ///
@@ -79,6 +80,50 @@ impl Subtriangle {
             Self::around(face, i, r, layout.segments())
         };
         faces.into_iter().flat_map(in_face).collect()
+    }
+
+    /// The triangles of a coarser level that hold all those around some runs of a level's slots, each once, in no order.
+    /// `seen` has room for a bit per triangle of the coarser level, and is clear before and after. Cost: the runs by rows
+    /// and coarse triangles; on base edges by vertices.
+    pub fn holding(
+        layout: &Layout,
+        runs: impl Iterator<Item = Range<u32>>,
+        coarse: Level,
+        seen: &mut [u64],
+    ) -> Vec<Self> {
+        let (n, depth) = (coarse.segments(), layout.level().0 - coarse.0);
+        let mut held: Vec<Self> = Vec::new();
+        let mut hold = |triangle: Self| {
+            let at = triangle.index(n);
+            let (word, bit) = (&mut seen[at / 64], 1 << (at % 64));
+            if *word & bit == 0 {
+                *word |= bit;
+                held.push(triangle);
+            }
+        };
+        for mut run in runs {
+            while !run.is_empty() {
+                let site = layout.site(Slot(run.start));
+                let Site::Face { face, i, r } = site else {
+                    for triangle in Self::incident(layout, site) {
+                        hold((0..depth).fold(triangle, |t, _| t.parent()));
+                    }
+                    run.start += 1;
+                    continue;
+                };
+                // A run may go on over several rows. The cells below and above a row hold all its triangles.
+                let columns = (run.len() as u32).min(layout.segments() - r - i);
+                run.start += columns;
+                for r in (r - 1) >> depth..=r >> depth {
+                    for i in (i - 1) >> depth..=(i + columns - 1) >> depth {
+                        let both = [false, true].map(|down| Self { face, i, r, down });
+                        both.into_iter().filter(|t| i + r + u32::from(t.down) < n).for_each(&mut hold);
+                    }
+                }
+            }
+        }
+        held.iter().for_each(|t| seen[t.index(n) / 64] = 0);
+        held
     }
 
     /// The up to six triangles of a face, at a level with `n` segments, that meet at the lattice place `(i, r)`.

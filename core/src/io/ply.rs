@@ -33,8 +33,9 @@ fn parse_unguarded(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
     header::check(&header, payload.len() as u64)?;
     let vertices = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
     let mut positions: Vec<[f64; 3]> = with_room(vertices)?;
-    let mut corners: Vec<u32> = Vec::new();
-    let mut arities: Vec<u32> = with_room(header.elements.get("face").map_or(0, |face| face.count))?;
+    let faces = header.elements.get("face").map_or(0, |face| face.count);
+    let mut corners: Vec<u32> = with_room(faces.saturating_mul(3))?;
+    let mut arities: Vec<u32> = with_room(faces)?;
 
     let mut source = Source { header: &header, payload, lines: Lines::after(payload, lines) };
     for definition in header.elements.values() {

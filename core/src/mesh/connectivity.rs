@@ -4,7 +4,7 @@
 //! neighbouring face. Building it proves that the list is an orientable 2-manifold, with or without boundary.
 //! It does **not** prove that the list is a simplicial complex: two faces may have the same three corners.
 
-use rustc_hash::FxHashMap;
+use rayon::prelude::*;
 use thiserror::Error;
 
 /// Stands for "no half-edge": the other side of a boundary edge.
@@ -83,10 +83,14 @@ impl Connectivity {
                 }
             }
         }
-        let pairs = edge_pairs(&faces)?;
-        let (component_of_face, components) = orient(&mut faces, &pairs)?;
-        // Turning a face renumbers its half-edges, so the pairs are found once more.
-        let twins = edge_pairs(&faces)?;
+        let mut twins = edge_pairs(vertex_count, &faces)?;
+        let Components { of_face: component_of_face, count: components, turned } =
+            orient(&mut faces, &twins)?;
+        if turned {
+            // Turning a face renumbers its half-edges, so the pairs are found once more.
+            drop(twins);
+            twins = edge_pairs(vertex_count, &faces)?;
+        }
         let outgoing = fans(vertex_count, &faces, &twins)?;
         Ok(Self { faces, twins, outgoing, component_of_face, components })
     }
@@ -207,35 +211,59 @@ pub fn previous(half_edge: u32) -> u32 {
     if half_edge.is_multiple_of(3) { half_edge + 2 } else { half_edge - 1 }
 }
 
-/// For every half-edge the half-edge of the other face at the same undirected edge, or [`NONE`].
-fn edge_pairs(faces: &[[u32; 3]]) -> Result<Vec<u32>, NotManifold> {
-    let mut first_at: FxHashMap<(u32, u32), u32> = FxHashMap::default();
-    first_at.reserve(faces.len() * 3 / 2);
+/// Edges that are paired at a time: enough that the passes over all faces do not weigh, few enough for memory.
+const AT_ONCE: usize = 1 << 22;
+
+/// For every half-edge the half-edge of the other face at the same undirected edge, or [`NONE`]. Edges are sorted, those of
+/// some vertices at a time: a table of all of them would take twice the memory of the faces.
+fn edge_pairs(vertex_count: u32, faces: &[[u32; 3]]) -> Result<Vec<u32>, NotManifold> {
     let mut pairs = vec![NONE; faces.len() * 3];
-    for (f, face) in faces.iter().enumerate() {
-        for k in 0..3 {
-            let (a, b) = (face[k], face[(k + 1) % 3]);
-            let key = (a.min(b), a.max(b));
-            let here = (3 * f + k) as u32;
-            match first_at.get(&key) {
-                None => {
-                    first_at.insert(key, here);
+    let passes = pairs.len().div_ceil(AT_ONCE).max(1) as u32;
+    let vertices = vertex_count.div_ceil(passes).max(1);
+    // The first half-edge that is one too many at its edge.
+    let mut obstacle: Option<[u32; 3]> = None;
+    let mut edges: Vec<[u32; 3]> = Vec::new();
+    for first in (0..vertex_count).step_by(vertices as usize) {
+        edges.clear();
+        for (f, face) in faces.iter().enumerate() {
+            for k in 0..3 {
+                let (a, b) = (face[k], face[(k + 1) % 3]);
+                if a.min(b).wrapping_sub(first) < vertices {
+                    edges.push([a.min(b), a.max(b), (3 * f + k) as u32]);
                 }
-                Some(&other) if pairs[other as usize] == NONE => {
-                    pairs[other as usize] = here;
-                    pairs[here as usize] = other;
+            }
+        }
+        edges.par_sort_unstable();
+        for of_edge in edges.chunk_by(|a, b| a[..2] == b[..2]) {
+            match *of_edge {
+                [_] => {}
+                [[.., one], [.., other]] => {
+                    pairs[one as usize] = other;
+                    pairs[other as usize] = one;
                 }
-                Some(_) => return Err(NotManifold::Edge { a: key.0, b: key.1 }),
+                _ if obstacle.is_none_or(|earlier| of_edge[2][2] < earlier[2]) => obstacle = Some(of_edge[2]),
+                _ => {}
             }
         }
     }
-    Ok(pairs)
+    match obstacle {
+        Some([a, b, _]) => Err(NotManifold::Edge { a, b }),
+        None => Ok(pairs),
+    }
 }
 
-/// Turns faces so that neighbours agree; returns each face's component and their number.
-fn orient(faces: &mut [[u32; 3]], pairs: &[u32]) -> Result<(Vec<u32>, u32), NotManifold> {
+/// The connected components of the faces.
+struct Components {
+    of_face: Vec<u32>,
+    count: u32,
+    /// Whether some face was turned round.
+    turned: bool,
+}
+
+/// Turns faces so that neighbours agree.
+fn orient(faces: &mut [[u32; 3]], pairs: &[u32]) -> Result<Components, NotManifold> {
     const UNSEEN: u32 = u32::MAX;
-    let original = faces.to_vec();
+    let original = &*faces;
     let ends = |h: u32| {
         let face = original[(h / 3) as usize];
         let k = (h % 3) as usize;
@@ -275,7 +303,7 @@ fn orient(faces: &mut [[u32; 3]], pairs: &[u32]) -> Result<(Vec<u32>, u32), NotM
     for (face, _) in faces.iter_mut().zip(&flipped).filter(|(_, turned)| **turned) {
         face.swap(1, 2);
     }
-    Ok((component, components))
+    Ok(Components { of_face: component, count: components, turned: flipped.contains(&true) })
 }
 
 /// One outgoing half-edge per vertex, after checking that each vertex has a single fan.

@@ -1,9 +1,11 @@
 //! A drag under way: the surface follows the hand live, one line is logged at the end, and Esc restores every bit.
 
 use super::{Session, SessionError};
-use crate::edit::{Edit, EditError, Follow, Kind, Move, Plan, Pull, Pulled, Region, Step, Turned, trial_of};
-use crate::hierarchy::Level;
-use crate::surface::{Changes, Surface, Vector};
+use crate::edit::{
+    Edit, EditError, Follow, Kind, Move, Pull, Pulled, Region, Step, Turned, added, trial_of, weighted_steps,
+};
+use crate::hierarchy::{Level, Slot};
+use crate::surface::{Changes, Runs, Surface, Vector};
 
 /// What is dragged.
 #[derive(Debug, Clone, Copy)]
@@ -22,15 +24,22 @@ impl Dragged {
 }
 
 /// A stroke between its beginning and its end. Its edit is additive, so following the hand means adding the
-/// difference between the new integers and those already in the surface. Detail that follows is turned back first, and
-/// anew after.
+/// difference between the new integers and those already in the surface. What is coarser than dragged scaling coefficients
+/// is analysed once, at the end; but where detail follows, which is turned back first and anew after, every time, for
+/// some of that detail is coarser than the coefficients which move.
 #[derive(Debug, Clone)]
 pub(super) struct Stroke {
     dragged: Dragged,
     region: Region,
+    /// Of scaling coefficients: the region's slots as runs, and the weights slot by slot.
+    runs: Runs,
+    weights: Vec<[f64; 3]>,
+    /// Scratch space: what the hand's last move added.
+    steps: Vec<Vector>,
     follow: Option<Follow>,
-    applied: Plan,
     turned: Turned,
+    /// Whether the levels coarser than what is dragged have followed the hand at some time.
+    coarser: bool,
     delta: Vector,
     /// The finest level that follows the hand; finer ones wait for the end.
     reach: Level,
@@ -59,37 +68,68 @@ impl Stroke {
                 (Region::Pulled(pulled), follow, home)
             }
         };
-        let applied = region.moved_by([0; 3]);
+        let weighted: Vec<(Slot, [f64; 3])> = match &region {
+            Region::Scaling(_, region) => region.iter().map(|&(slot, weight)| (slot, [weight; 3])).collect(),
+            Region::Pulled(pulled) => pulled.weights.clone(),
+            Region::Wavelets(..) => Vec::new(),
+        };
+        let runs = Runs::of_slots(weighted.iter().map(|(slot, _)| slot.0).collect());
+        let weights = weighted.into_iter().map(|(_, weights)| weights).collect();
         let reach = surface.finest();
-        Ok(Self { dragged, region, follow, applied, turned: Vec::new(), delta: [0; 3], reach, home })
+        let (steps, turned, delta) = Default::default();
+        Ok(Self { dragged, region, runs, weights, steps, follow, turned, coarser: false, delta, reach, home })
     }
 
     /// Moves the surface from where the stroke has it to `delta`; unchanged if that is refused.
     fn follow(&mut self, surface: &mut Surface, delta: Vector) -> Result<Changes, EditError> {
         let mut changes = self.turn_back(surface);
-        let (wanted, before) = (self.region.moved_by(delta), self.delta);
-        changes.join(add(surface, &difference(&wanted, &self.applied), self.reach));
+        let before = self.delta;
+        changes.join(self.add(surface, before, delta));
         let mut beyond = changes.beyond_limit;
+        self.delta = delta;
         if !beyond {
-            self.applied = wanted;
-            self.delta = delta;
             let turned = self.turn(surface);
             beyond = turned.beyond_limit;
             changes.join(turned);
-        } else {
-            changes.join(add(surface, &difference(&self.applied, &wanted), self.reach));
         }
         if !beyond {
             return Ok(changes);
         }
         // Back to where the stroke was, which was in range.
         self.turn_back(surface);
-        let home = self.region.moved_by(before);
-        add(surface, &difference(&home, &self.applied), self.reach);
-        self.applied = home;
+        self.add(surface, delta, before);
         self.delta = before;
         self.turn(surface);
         Err(EditError::BeyondLimit)
+    }
+
+    /// Adds what is missing from one delta to another.
+    fn add(&mut self, surface: &mut Surface, old: Vector, new: Vector) -> Changes {
+        let level = match &self.region {
+            Region::Scaling(level, _) => *level,
+            Region::Pulled(pulled) => pulled.level,
+            Region::Wavelets(level, region) => {
+                return surface.add_wavelets_up_to(*level, &added(region, [old, new]), self.reach);
+            }
+        };
+        weighted_steps(&self.weights, [old, new], &mut self.steps);
+        let mut changes = surface.raise_runs(level, (&self.runs, &self.steps), self.reach);
+        if self.follow.is_some() {
+            changes.join(surface.settle(level, &self.runs));
+        }
+        changes
+    }
+
+    /// Brings the coarser levels up to date.
+    fn settle(&mut self, surface: &mut Surface) -> Changes {
+        self.coarser = true;
+        match &self.region {
+            _ if self.follow.is_some() => Changes::nothing(surface),
+            Region::Scaling(level, _) | Region::Pulled(Pulled { level, .. }) => {
+                surface.settle(*level, &self.runs)
+            }
+            Region::Wavelets(..) => Changes::nothing(surface),
+        }
     }
 
     fn turn(&mut self, surface: &mut Surface) -> Changes {
@@ -126,26 +166,6 @@ impl Stroke {
     }
 }
 
-fn add(surface: &mut Surface, plan: &Plan, reach: Level) -> Changes {
-    match plan {
-        Plan::Scaling(level, deltas) => surface.add_scaling_up_to(*level, deltas, reach),
-        Plan::Wavelets(level, deltas) => surface.add_wavelets_up_to(*level, deltas, reach),
-        _ => unreachable!("a stroke is additive"),
-    }
-}
-
-/// `a − b`, for two plans over the same region.
-fn difference(a: &Plan, b: &Plan) -> Plan {
-    fn minus<T: Copy>(a: &[(T, Vector)], b: &[(T, Vector)]) -> Vec<(T, Vector)> {
-        a.iter().zip(b).map(|(&(at, a), &(_, b))| (at, std::array::from_fn(|c| a[c] - b[c]))).collect()
-    }
-    match (a, b) {
-        (Plan::Scaling(level, a), Plan::Scaling(_, b)) => Plan::Scaling(*level, minus(a, b)),
-        (Plan::Wavelets(level, a), Plan::Wavelets(_, b)) => Plan::Wavelets(*level, minus(a, b)),
-        _ => unreachable!("both plans come from one region"),
-    }
-}
-
 impl Session {
     /// Begins a stroke: the edit without its delta. Ends one that is under way.
     ///
@@ -179,7 +199,8 @@ impl Session {
         self.stroke.is_some() || self.brush.is_some()
     }
 
-    /// Moves the stroke to a delta in model units, measured from its beginning. Cost: the support.
+    /// Moves the stroke to a delta in model units, measured from its beginning. Levels coarser than dragged scaling
+    /// coefficients wait for the stroke's end, unless detail follows. Cost: the support.
     ///
     /// # Errors
     /// The delta is not finite or too large; the stroke stays where it was.
@@ -190,6 +211,13 @@ impl Session {
             Some(stroke) => Ok(stroke.follow(surface, steps)?),
             None => Ok(Changes::default()),
         }
+    }
+
+    /// Brings the levels coarser than what is dragged up to date in the middle of a stroke, for showing one of them. Cost:
+    /// what depends on the dragged coefficients.
+    pub fn settle_stroke(&mut self) -> Changes {
+        let surface = &mut self.model.surface;
+        self.stroke.as_mut().map_or_else(Changes::default, |stroke| stroke.settle(surface))
     }
 
     /// How far the stroke has moved, in model units.
@@ -220,18 +248,23 @@ impl Session {
             return self.end_brush(brush);
         }
         let Some(mut stroke) = self.stroke.take() else { return Changes::default() };
-        let finest = self.model.surface.finest();
-        let changes = if stroke.reach == finest {
-            Changes::default()
-        } else {
-            stroke.set_reach(&mut self.model.surface, finest)
-        };
+        let surface = &mut self.model.surface;
+        let finest = surface.finest();
+        let mut changes =
+            if stroke.reach == finest { Changes::default() } else { stroke.set_reach(surface, finest) };
         if stroke.delta == [0; 3] {
             return changes;
         }
-        let delta = self.model.surface.form().placement.shortest_decimals(stroke.delta);
+        changes.join(stroke.settle(surface));
+        if changes.beyond_limit {
+            changes.join(stroke.follow(surface, [0; 3]).unwrap_or_default());
+            changes.join(stroke.settle(surface));
+            changes.beyond_limit = true;
+            return changes;
+        }
+        let delta = surface.form().placement.shortest_decimals(stroke.delta);
         let edit = stroke.dragged.edit(delta);
-        let step = Step::applied(edit.clone(), stroke.applied, stroke.turned);
+        let step = Step::applied(edit.clone(), stroke.region.moved_by(stroke.delta), stroke.turned);
         self.record.edit(&mut self.model.surface, step);
         self.committed_edit(edit);
         changes
@@ -242,9 +275,12 @@ impl Session {
         if let Some(brush) = self.brush.take() {
             return brush.cancel(&mut self.model.surface);
         }
-        match self.stroke.take() {
-            Some(mut stroke) => stroke.follow(&mut self.model.surface, [0; 3]).unwrap_or_default(),
-            None => Changes::default(),
+        let Some(mut stroke) = self.stroke.take() else { return Changes::default() };
+        let surface = &mut self.model.surface;
+        let mut changes = stroke.follow(surface, [0; 3]).unwrap_or_default();
+        if stroke.coarser {
+            changes.join(stroke.settle(surface));
         }
+        changes
     }
 }

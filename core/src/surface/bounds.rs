@@ -5,7 +5,7 @@
 //! triangles, the first in order among equals, so it does not depend on how the boxes stand.
 
 use super::{Runs, Vector};
-use crate::hierarchy::{Address, Hierarchy, Layout, Level, Site, Slot, Subtriangle};
+use crate::hierarchy::{Address, Hierarchy, Layout, Level, Subtriangle};
 use crate::mesh::closest_on_triangle;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ const GROUP: usize = 64;
 const ROOM: f64 = 1.0 + 1e-9;
 
 /// A box in steps.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Bounds {
     low: Vector,
     high: Vector,
@@ -94,37 +94,9 @@ impl BoundsTree {
     pub(super) fn follow(&mut self, hierarchy: &Hierarchy, positions: &[Vector], runs: &Runs) {
         let layout = hierarchy.layout(hierarchy.finest());
         let leaf = Level(self.boxes.len() as u8 - 1);
-        let depth = hierarchy.finest().0 - leaf.0;
         let n = leaf.segments();
-        let mut touched: Vec<Subtriangle> = Vec::new();
-        for run in runs.iter() {
-            match layout.site(Slot(run.start)) {
-                // A run inside a face lies in one row: the cells below and above it hold all its triangles.
-                Site::Face { face, i, r } => {
-                    let (from, to) = ((i - 1) >> depth, (i + run.len() as u32 - 1) >> depth);
-                    let (below, above) = ((r - 1) >> depth, r >> depth);
-                    for r in below..=above {
-                        for i in from..=to {
-                            for down in [false, true] {
-                                if i + r + u32::from(down) < n {
-                                    self.touch(&mut touched, Subtriangle { face, i, r, down }, n);
-                                }
-                            }
-                        }
-                    }
-                }
-                _ => {
-                    for slot in run {
-                        for triangle in Subtriangle::incident(layout, layout.site(Slot(slot))) {
-                            let above = (0..depth).fold(triangle, |t, _| t.parent());
-                            self.touch(&mut touched, above, n);
-                        }
-                    }
-                }
-            }
-        }
+        let mut touched = Subtriangle::holding(layout, runs.iter(), leaf, &mut self.seen);
         for &triangle in &touched {
-            self.seen[triangle.index(n) / 64] = 0;
             self.boxes[leaf.index()][triangle.index(n)] = leaf_box(layout, positions, triangle, leaf);
         }
         for level in (0..leaf.0).rev().map(Level) {
@@ -137,15 +109,6 @@ impl BoundsTree {
         groups.sort_unstable();
         groups.dedup();
         groups.into_iter().for_each(|group| self.refit_group(group));
-    }
-
-    fn touch(&mut self, touched: &mut Vec<Subtriangle>, triangle: Subtriangle, n: u32) {
-        let at = triangle.index(n);
-        let (word, bit) = (&mut self.seen[at / 64], 1 << (at % 64));
-        if *word & bit == 0 {
-            *word |= bit;
-            touched.push(triangle);
-        }
     }
 
     fn refit(&mut self, level: Level, triangle: Subtriangle) {
@@ -267,4 +230,33 @@ fn leaf_box(layout: &Layout, positions: &[Vector], triangle: Subtriangle, leaf: 
         }
     }
     bounds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hierarchy::BaseMesh;
+    use crate::mesh::shapes;
+    use std::sync::Arc;
+
+    /// Runs that go on over rows and faces, as those of whole levels do, are followed whole.
+    #[test]
+    fn followed_boxes_are_those_of_a_new_tree() {
+        let mesh = shapes::octahedron();
+        let base = Arc::new(BaseMesh::new(6, mesh.faces, &[]).expect("a base mesh"));
+        let hierarchy = Hierarchy::new(base, Level(5)).expect("small");
+        let count = hierarchy.layout(Level(5)).len();
+        let place = |x: u32| [x, x * 37 + 11, x * 101 + 5].map(|x| (x * 7919 % 4001) as i32);
+        let mut positions: Vec<Vector> = (0..count).map(place).collect();
+        let mut tree = BoundsTree::new(&hierarchy, &positions);
+        let face = hierarchy.layout(Level(5)).row(3, 1).0;
+        for moved in [0..count, face + 10..face + 150, face - 5..face + 3, 2..count - 7, 5..6] {
+            for slot in moved.clone() {
+                positions[slot as usize] = positions[slot as usize].map(|x| (x * 5 + 3) % 6007);
+            }
+            tree.follow(&hierarchy, &positions, &Runs::of_runs(vec![moved.clone()]));
+            let fresh = BoundsTree::new(&hierarchy, &positions);
+            assert!(tree.boxes == fresh.boxes && tree.groups == fresh.groups, "{moved:?}");
+        }
+    }
 }

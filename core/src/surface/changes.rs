@@ -4,7 +4,7 @@ use super::Surface;
 use crate::hierarchy::{Level, Slot};
 use std::ops::Range;
 
-/// Runs of slots, sorted and apart. A run lies in one row of a base face, on one base edge, or among base vertices.
+/// Runs of slots, sorted and apart. A run may go on over rows of a base face, over base edges and faces.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Runs(Vec<Range<u32>>);
 

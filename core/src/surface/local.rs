@@ -4,6 +4,7 @@
 //! coefficients whose inputs changed, vertex by vertex, for they are few; upwards, where the support grows fourfold a
 //! level, whole runs of rows go through [`refine`].
 
+use super::stroke::in_order;
 use super::{Changes, LIMIT, Marks, Moved, Runs, Surface, Vector, within_limit};
 use crate::hierarchy::{Layout, Level, Odd, PublicId, Site, Slot};
 use crate::wavelet::lifting::{minus, plus, predicted, rounded};
@@ -27,28 +28,9 @@ impl Surface {
         deltas: &[(Slot, Vector)],
         reach: Level,
     ) -> Changes {
-        let mut changes = Changes::none(self.scaling.len());
-        let steps: Vec<Step> = deltas.iter().copied().filter(|&(_, delta)| delta != [0; 3]).collect();
-        for &(slot, delta) in &steps {
-            let value = &mut self.scaling[level.index()][slot.index()];
-            let old = *value;
-            *value = plus(old, delta);
-            changes.beyond_limit |= !value.iter().all(|&x| within_limit(x));
-            if level == Level::BASE {
-                let new = *value;
-                self.sum.replace(PublicId(slot.0), old, new);
-            }
-        }
-        let layout = self.hierarchy.layout(level);
-        let mut moved: Vec<Site> = steps.iter().map(|&(slot, _)| layout.site(slot)).collect();
-        for j in (0..level.0).rev().map(Level) {
-            moved = self.descend(j, &moved, &mut changes);
-            let layout = self.hierarchy.layout(j);
-            changes.record(j, Runs::of_slots(moved.iter().map(|&site| layout.slot(site).0).collect()));
-        }
-        changes.record(level, runs_of(&steps));
-        self.climb(reach, level, &steps, &mut changes);
-        self.follow_bounds(&changes);
+        let (runs, steps) = in_order(deltas);
+        let mut changes = self.raise_runs(level, (&runs, &steps), reach);
+        changes.join(self.settle(level, &runs));
         changes
     }
 
@@ -155,6 +137,9 @@ impl Surface {
 
     /// Local synthesis of the levels up to `reach` from the changes of `c^j`.
     pub(super) fn climb(&mut self, reach: Level, level: Level, steps: &[Step], changes: &mut Changes) {
+        if reach <= level {
+            return;
+        }
         let mut patches = Patch::of(self.hierarchy.layout(level), steps);
         for j in level.0 + 1..=reach.0 {
             let fine = self.hierarchy.layout(Level(j));

@@ -1,46 +1,78 @@
-//! A stroke's many small changes of one level: finer levels follow each, coarser ones wait for the stroke's end.
+//! Many small changes of one level: finer levels follow each, coarser ones wait until the hand rests.
 //!
-//! Nothing coarser than the edited level is read while brushes work there, and analysis depends on the positions alone,
+//! Nothing coarser than the edited level is read while a hand works there, and analysis depends on the positions alone,
 //! so one analysis at the end gives the bits that one after every change would give.
 
-use super::local::runs_of;
-use super::{Changes, Surface, Vector, within_limit};
+use super::local::{Step, runs_of};
+use super::{Changes, LIMIT, Runs, Surface, Vector};
 use crate::hierarchy::{Level, PublicId, Slot};
 use crate::wavelet::lifting::plus;
+use crate::wavelet::rows::add_steps;
 
 impl Surface {
     /// Adds to `c^j` and everything finer in the support, leaving what is coarser as it was. Slots must differ. Cost: the
     /// support. The surface is whole again after [`Surface::settle`].
     pub(crate) fn raise(&mut self, level: Level, deltas: &[(Slot, Vector)]) -> Changes {
+        let (runs, steps) = in_order(deltas);
+        self.raise_runs(level, (&runs, &steps), self.finest())
+    }
+
+    /// [`Surface::raise`] slot by slot over runs of them, and without the levels finer than `reach`, which stay as they
+    /// were. The surface is whole again once the same is subtracted with the same reach; or, where the reach is the finest
+    /// level, after [`Surface::settle`].
+    pub(crate) fn raise_runs(
+        &mut self,
+        level: Level,
+        (runs, steps): (&Runs, &[Vector]),
+        reach: Level,
+    ) -> Changes {
         let mut changes = Changes::none(self.scaling.len());
-        let steps: Vec<_> = deltas.iter().copied().filter(|&(_, delta)| delta != [0; 3]).collect();
-        for &(slot, delta) in &steps {
-            let value = &mut self.scaling[level.index()][slot.index()];
-            let old = *value;
-            *value = plus(old, delta);
-            changes.beyond_limit |= !value.iter().all(|&x| within_limit(x));
-            if level == Level::BASE {
-                let new = *value;
-                self.sum.replace(PublicId(slot.0), old, new);
-            }
+        if steps.iter().all(|step| *step == [0; 3]) {
+            return changes;
         }
-        changes.record(level, runs_of(&steps));
-        self.climb(self.finest(), level, &steps, &mut changes);
+        let mut rest = steps;
+        for run in runs.iter() {
+            let (steps, after) = rest.split_at(run.len());
+            let values = &mut self.scaling[level.index()][run.start as usize..run.end as usize];
+            if level == Level::BASE {
+                for ((id, &old), &step) in run.zip(values.iter()).zip(steps) {
+                    self.sum.replace(PublicId(id), old, plus(old, step));
+                }
+            }
+            changes.beyond_limit |= add_steps(values, steps, LIMIT);
+            rest = after;
+        }
+        changes.record(level, runs.clone());
+        if reach > level {
+            let steps: Vec<Step> = runs.slots().zip(steps.iter().copied()).collect();
+            self.climb(reach, level, &steps, &mut changes);
+        }
         self.follow_bounds(&changes);
         changes
     }
 
-    /// Brings the coefficients coarser than `c^j` up to date with what [`Surface::raise`] changed at these slots.
-    pub(crate) fn settle(&mut self, level: Level, slots: &[Slot]) -> Changes {
+    /// Brings the coefficients coarser than `c^j` up to date with what has changed in these runs of slots. Cost: what
+    /// depends on them.
+    pub(crate) fn settle(&mut self, level: Level, runs: &Runs) -> Changes {
         let mut changes = Changes::none(self.scaling.len());
         let layout = self.hierarchy.layout(level);
-        let mut moved: Vec<_> = slots.iter().map(|&slot| layout.site(slot)).collect();
+        let mut moved: Vec<_> = match level {
+            Level::BASE => Vec::new(),
+            _ => runs.slots().map(|slot| layout.site(slot)).collect(),
+        };
         for j in (0..level.0).rev().map(Level) {
             moved = self.descend(j, &moved, &mut changes);
             let layout = self.hierarchy.layout(j);
             let slots = moved.iter().map(|&site| layout.slot(site).0).collect();
-            changes.record(j, super::Runs::of_slots(slots));
+            changes.record(j, Runs::of_slots(slots));
         }
         changes
     }
+}
+
+/// Additions that are not zero, as runs of slots and what each of them gets.
+pub(super) fn in_order(deltas: &[(Slot, Vector)]) -> (Runs, Vec<Vector>) {
+    let mut deltas: Vec<Step> = deltas.iter().copied().filter(|&(_, delta)| delta != [0; 3]).collect();
+    deltas.sort_unstable_by_key(|&(slot, _)| slot);
+    (runs_of(&deltas), deltas.into_iter().map(|(_, delta)| delta).collect())
 }

@@ -6,7 +6,7 @@ use super::face_blocks::FaceBlock;
 use super::predict::Difference;
 use super::strip::Strip;
 use super::update::{Direction, Update};
-use super::window::{HALO, STRIP, Window};
+use super::window::{HALO, STRIP, Window, row_place};
 use super::{Engine, stored_details, stored_row};
 use std::ops::Range;
 
@@ -26,15 +26,14 @@ impl Engine<'_> {
         output: &mut Output<N>,
     ) -> bool {
         let n = chart.n();
-        let stencil = window.place(self.filters.stencil());
+        let stencils = window.place(self.filters.stencil());
         let value = |site| finer[chart.fine.slot(site).index()];
         border.collect(chart, value);
         let mut exact = true;
         for first in (0..=n).step_by(STRIP as usize) {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
-            window.start(first as u32, -HALO);
+            window.start(first as u32);
             for r in -HALO..=n - first + HALO {
-                window.advance_to(r);
                 let used = window.used(n, r);
                 let row = window.row(r);
                 let (even, odd) =
@@ -48,11 +47,11 @@ impl Engine<'_> {
                     let run = self.regular_run(chart, even, strip);
                     if !run.is_empty() {
                         let (column, len) = (window.column(run.start), run.len() * N);
-                        let (details, from, evens) = window.for_update(even);
-                        let at = from + column * N;
+                        let (details, evens) = window.for_update(even);
+                        let (stencil, at) = (&stencils[row_place(even)], (column - HALO as usize) * N);
                         let evens = &mut evens[column..].as_flattened_mut()[..len];
                         let direction = Direction::Add;
-                        Update { stencil: &stencil, direction, details, at, evens }.run(self.arch);
+                        Update { stencil, direction, details, at, evens }.run(self.arch);
                     }
                     store_evens(chart, strip, window, even, &mut output.coarser);
                 }

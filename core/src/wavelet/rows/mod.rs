@@ -30,7 +30,7 @@ use analysis::Output;
 use border::Border;
 use chart::Chart;
 use face_blocks::split_by_face;
-pub use patch::{Patch, Refined, refine};
+pub use patch::{Patch, Refined, add_steps, refine};
 use pulp::Arch;
 use rayon::prelude::*;
 use std::ops::Range;

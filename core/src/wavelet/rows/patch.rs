@@ -87,6 +87,11 @@ impl<const N: usize> Patch<N> {
     }
 }
 
+/// Adds steps to values; whether a value went beyond the limit.
+pub fn add_steps<const N: usize>(values: &mut [[i32; N]], steps: &[[i32; N]], limit: i32) -> bool {
+    Arch::new().dispatch(Add { values: values.as_flattened_mut(), steps: steps.as_flattened(), limit })
+}
+
 /// Carries patches of level j on to level j + 1 and adds them to its vertices. The patches of level j + 1 replace those
 /// of level j, unless it is the `last` level. Cost: the patches.
 pub fn refine<const N: usize>(

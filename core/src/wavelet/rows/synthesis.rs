@@ -7,7 +7,7 @@ use super::predict::{Sum, Within};
 use super::stencil::PlacedStencil;
 use super::strip::Strip;
 use super::update::{Direction, Update};
-use super::window::{HALO, STRIP, Window};
+use super::window::{HALO, STRIP, Window, row_place};
 use super::{Engine, row_range, stored_details};
 use crate::hierarchy::{Layout, Site};
 use crate::wavelet::lifting::{minus, rounded};
@@ -31,7 +31,7 @@ impl Engine<'_> {
         finer: &mut FaceBlock<[i32; N]>,
     ) -> bool {
         let n = chart.n();
-        let stencil = window.place(self.filters.stencil());
+        let stencils = window.place(self.filters.stencil());
         let start = chart.coarse.odd_face_start(chart.face) as usize;
         let own = &details[start..];
         let value = |site| match site {
@@ -45,9 +45,8 @@ impl Engine<'_> {
         let mut exact = true;
         for first in (0..=n).step_by(STRIP as usize) {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
-            window.start(first as u32, -HALO);
+            window.start(first as u32);
             for r in -HALO..=n - first + HALO {
-                window.advance_to(r);
                 self.read_details(chart, (strip, r), (window, border), own, value);
                 let used = window.used(n, r);
                 let row = window.row(r);
@@ -56,7 +55,7 @@ impl Engine<'_> {
                 }
                 let even = r - HALO + 1;
                 if (0..=n - first).contains(&even) {
-                    self.update(chart, strip, window, even, &stencil, coarser, details);
+                    self.update(chart, strip, window, even, &stencils[row_place(even)], coarser, details);
                     self.store(chart, strip, window, even, odds, finer);
                 }
             }
@@ -140,8 +139,8 @@ impl Engine<'_> {
         }
         if !run.is_empty() {
             let (column, len) = (at(run.start), run.len() * N);
-            let (details, from, evens) = window.for_update(r);
-            let at = from + column * N;
+            let (details, evens) = window.for_update(r);
+            let at = (column - HALO as usize) * N;
             let evens = &mut evens[column..].as_flattened_mut()[..len];
             Update { stencil, direction: Direction::Subtract, details, at, evens }.run(self.arch);
         }

@@ -10,9 +10,9 @@ use super::stencil::{PlacedStencil, Stencil};
 /// parents of what it reads half a step more.
 pub(super) const HALO: i32 = 3;
 
-/// Rows a window holds. It moves down by all but the last `2·HALO + 1`, which it keeps.
-const ROWS: usize = 40;
-const KEPT: usize = 2 * HALO as usize + 1;
+/// Rows a window holds, each in the place of the one so many before it: those that an update reads, and the one being
+/// made. A power of two.
+const ROWS: usize = 2 * HALO as usize + 2;
 
 /// Even vertices per row of a strip: few enough that a window stays in the processor's second-level cache, enough that
 /// the halo does not weigh.
@@ -64,8 +64,6 @@ pub(super) struct Window<const N: usize> {
     /// The first even vertex of the strip.
     first: i32,
     columns: usize,
-    /// The row stored first.
-    top: i32,
     evens: Vec<[i32; N]>,
     details: Vec<[i32; N]>,
 }
@@ -87,35 +85,19 @@ impl<const N: usize> Window<N> {
         Self {
             first: 0,
             columns,
-            top: 0,
             evens: vec![[0; N]; ROWS * columns],
             details: vec![[0; N]; 3 * ROWS * columns + slack],
         }
     }
 
-    /// Begins a strip at an even vertex, with row `top`. What an earlier strip left stays where nothing is read over it,
-    /// and no regular vertex reads it.
-    pub(super) fn start(&mut self, first: u32, top: i32) {
+    /// Begins a strip at an even vertex. What an earlier strip left stays where nothing is read over it, and no regular
+    /// vertex reads it.
+    pub(super) fn start(&mut self, first: u32) {
         self.first = first as i32;
-        self.top = top;
-    }
-
-    /// Makes room for a row; all but the last few before it are given up.
-    pub(super) fn advance_to(&mut self, r: i32) {
-        if (r - self.top) as usize >= ROWS {
-            let dropped = ROWS - KEPT;
-            let kept =
-                |plane: usize| (plane * ROWS + dropped) * self.columns..(plane + 1) * ROWS * self.columns;
-            self.evens.copy_within(kept(0), 0);
-            for plane in 0..3 {
-                self.details.copy_within(kept(plane), plane * ROWS * self.columns);
-            }
-            self.top += dropped as i32;
-        }
     }
 
     fn row_start(&self, r: i32) -> usize {
-        (r - self.top) as usize * self.columns
+        row_place(r) * self.columns
     }
 
     /// Columns of a row, halo included.
@@ -149,27 +131,33 @@ impl<const N: usize> Window<N> {
 
     /// The even vertices of rows `r` and `r + 1`, and row `r` of the two planes between them.
     pub(super) fn between(&mut self, r: i32) -> (&[[i32; N]], &[[i32; N]], RowMut<'_, N>) {
-        let at = self.row_start(r);
+        let (at, below) = (self.row_start(r), self.row_start(r + 1));
         let (h, rest) = self.details.split_at_mut(ROWS * self.columns);
         let (v, d) = rest.split_at_mut(ROWS * self.columns);
         let one = at..at + self.columns;
-        let (upper, lower) = self.evens[at..at + 2 * self.columns].split_at(self.columns);
+        let (upper, lower) = (&self.evens[one.clone()], &self.evens[below..below + self.columns]);
         (upper, lower, RowMut { e: &mut [], h: &mut h[one.clone()], v: &mut v[one.clone()], d: &mut d[one] })
     }
 
-    /// All details, the distance in values of row `r`, column `first − HALO`, and that row of even vertices.
-    pub(super) fn for_update(&mut self, r: i32) -> (&[i32], usize, &mut [[i32; N]]) {
+    /// All details, and row `r` of even vertices.
+    pub(super) fn for_update(&mut self, r: i32) -> (&[i32], &mut [[i32; N]]) {
         let at = self.row_start(r);
-        // Taps are counted from HALO rows and columns before the even vertex.
-        let from = (at - HALO as usize * self.columns) * N;
-        (self.details.as_flattened(), from, &mut self.evens[at..at + self.columns])
+        (self.details.as_flattened(), &mut self.evens[at..at + self.columns])
     }
 
-    /// Places a stencil in the details, counted as [`Window::for_update`] does.
-    pub(super) fn place(&self, stencil: &Stencil) -> PlacedStencil {
-        stencil.placed(|Place { plane, i, r }| {
-            let row = plane as usize * ROWS + (r + HALO) as usize;
-            ((row * self.columns) as i32 + i) as u32 * N as u32
+    /// A stencil in the details, by the place of the even vertex's row in the window. Taps are counted from as many columns
+    /// as the even vertex has, less the halo.
+    pub(super) fn place(&self, stencil: &Stencil) -> [PlacedStencil; ROWS] {
+        std::array::from_fn(|own| {
+            stencil.placed(|Place { plane, i, r }| {
+                let row = plane as usize * ROWS + row_place(own as i32 + r);
+                ((row * self.columns) as i32 + i + HALO) as u32 * N as u32
+            })
         })
     }
+}
+
+/// Where a window keeps a row.
+pub(super) fn row_place(r: i32) -> usize {
+    r.rem_euclid(ROWS as i32) as usize
 }
