@@ -63,7 +63,7 @@ fn main() {
                     to: None,
                     from: Some([-1.0, 0.2, 0.1]),
                     dabs: Vec::new(),
-                    v: 1,
+                    v: tool.latest_version(),
                 };
                 session.begin_brush(words).expect("a sensible stroke");
                 for dab in 0..80 {

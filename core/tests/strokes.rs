@@ -61,6 +61,7 @@ fn random_stroke(numbers: &mut Numbers, surface: &Surface) -> Stroke {
         to: (tool == Tool::Erase && finest > Level::BASE && numbers.below(2) == 0)
             .then(|| numbers.below(u32::from(finest.0)) as u8),
         from: Some(surface.position(finest, Slot(0))),
+        v: 1 + numbers.below(tool.latest_version()),
         dabs,
         ..words(
             tool,
@@ -481,6 +482,9 @@ fn a_mask_keeps_what_it_covers() {
     assert!(session.surface().mask().value(Slot(masked[0] as u32)) > 0, "undo brings the mask back");
 }
 
+/// Surface hashes after the stroke below by version.
+const COPIED: [&str; 2] = ["b7d2803c4b1696f10227123c4287eb90", "2c3c04a2e676b9e42bc9e7536256f26a"];
+
 #[test]
 fn copied_detail_appears_elsewhere() {
     let mut surface = ball(5);
@@ -508,12 +512,23 @@ fn copied_detail_appears_elsewhere() {
     };
     let before = relief(&surface);
     let mut session = session_of(surface);
-    let stroke = Stroke { strength: 1.0, from: Some(from), ..words(Tool::Copy, 3, 0.3) };
-    stroked(&mut session, stroke.clone(), &[to]);
-    let after = relief(session.surface());
-    assert!(before < 1e-3 && after > 0.004, "{before}, then {after}");
-    let none = session.edit(Edit::Stroke(Stroke { from: None, ..stroke })).expect_err("nowhere to copy from");
-    assert!(none.to_string().contains("from"), "{none}");
+    let original = session.hash();
+    let mut hashes = Vec::new();
+    for v in 1..=Tool::Copy.latest_version() {
+        let stroke = Stroke { strength: 1.0, from: Some(from), v, ..words(Tool::Copy, 3, 0.3) };
+        stroked(&mut session, stroke.clone(), &[to]);
+        let after = relief(session.surface());
+        assert!(before < 1e-3 && after > 0.004, "version {v}: {before}, then {after}");
+        hashes.push(session.hash());
+        let nowhere = Edit::Stroke(Stroke { from: None, ..stroke });
+        let none = session.edit(nowhere).expect_err("nowhere to copy from");
+        assert!(none.to_string().contains("from"), "{none}");
+        session.undo();
+        assert_eq!(session.hash(), original);
+    }
+    // Each version replays as it always did.
+    let shown: Vec<String> = hashes.iter().map(ToString::to_string).collect();
+    assert_eq!(shown, COPIED);
 }
 
 #[test]

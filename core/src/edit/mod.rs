@@ -6,6 +6,7 @@
 mod apply;
 mod brush_stroke;
 mod brushes;
+mod copying;
 mod deltas;
 mod details;
 mod follow;

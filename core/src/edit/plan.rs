@@ -94,7 +94,8 @@ pub enum Plan {
 /// # Errors
 /// Every reason to refuse but [`EditError::BeyondLimit`] for moves, which only applying can find.
 pub fn plan(surface: &Surface, edit: &Edit) -> Result<Plan, EditError> {
-    if edit.version() != 1 {
+    // Strokes know the versions of their tools.
+    if edit.version() != 1 && !matches!(edit, Edit::Stroke(_)) {
         return Err(EditError::UnknownVersion { version: edit.version() });
     }
     match edit {

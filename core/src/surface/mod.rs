@@ -15,6 +15,7 @@ mod marks;
 mod mask;
 mod placement;
 mod stroke;
+mod walk;
 
 pub use bounds::Nearest;
 pub use changes::{Changes, Moved, Runs};
