@@ -7,13 +7,13 @@ mod samples;
 use bozzetto_core::disk::Vfs;
 use bozzetto_core::edit::{Dab, Edit, EditError, Falloff, Mirror, Step, Stroke, Tool, plan};
 use bozzetto_core::file::{Metadata, Model, encode};
-use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level, Slot};
+use bozzetto_core::hierarchy::{Level, Slot};
 use bozzetto_core::mesh::shapes;
 use bozzetto_core::session::{OpenOptions, Session, SessionError, open_model};
-use bozzetto_core::surface::{FormOptions, LIMIT, Surface};
+use bozzetto_core::surface::{LIMIT, Surface};
 use bozzetto_core::wavelet::Wavelet;
 use memory_disk::MemoryDisk;
-use samples::{Numbers, assert_consistent, contents, model, on_threads, surface};
+use samples::{Numbers, assert_consistent, ball, contents, model, on_threads, surface};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -240,25 +240,6 @@ fn live_strokes_replay_to_the_same_bits_on_any_number_of_threads() {
         let (read, _) = open_model(&disk, Path::new("a.boz"), OpenOptions::default()).expect("a sound pair");
         assert_eq!(read.surface.hash(), hash, "{name}");
     }
-}
-
-/// A ball with bumps, its poles on the y axis, mirrored to itself by every axis plane.
-fn ball(levels: u8) -> Surface {
-    let mesh = shapes::octahedron();
-    let base = Arc::new(BaseMesh::new(6, mesh.faces.clone(), &[]).expect("a base mesh"));
-    let hierarchy = Hierarchy::new(base, Level(levels)).expect("small");
-    let layout = hierarchy.layout(Level(levels));
-    let positions: Vec<[f64; 3]> = (0..layout.len())
-        .map(|slot| {
-            let (face, b) = layout.chart(layout.site(Slot(slot)));
-            let corners = hierarchy.base().faces()[face as usize].map(|v| mesh.positions[v as usize]);
-            let p: [f64; 3] = std::array::from_fn(|c| (0..3).map(|k| f64::from(b[k]) * corners[k][c]).sum());
-            let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let bump = 1.0 + 0.02 * (40.0 * p[0].abs() / length).sin() * (40.0 * p[2].abs() / length).sin();
-            p.map(|x| x / length * bump)
-        })
-        .collect();
-    Surface::from_positions(hierarchy, &positions, &FormOptions::default()).expect("a ball")
 }
 
 fn session_of(surface: Surface) -> Session {

@@ -412,7 +412,8 @@ impl BrushStroke {
                 wavelets.push((level, deltas));
             }
         }
-        Deltas { scaling: (!vertices.is_empty()).then_some((level, vertices)), wavelets }
+        let scaling = (!vertices.is_empty()).then_some((level, vertices));
+        Deltas { scaling, wavelets, hidden: Vec::new() }
     }
 }
 

@@ -176,7 +176,7 @@ impl Session {
 
     /// Whether a stroke is under way.
     pub fn in_stroke(&self) -> bool {
-        self.stroke.is_some() || self.brush.is_some()
+        self.stroke.is_some() || self.brush.is_some() || self.equaliser.is_some()
     }
 
     /// Moves the stroke to a delta in model units, measured from its beginning. Cost: the support.
@@ -219,6 +219,9 @@ impl Session {
         if let Some(brush) = self.brush.take() {
             return self.end_brush(brush);
         }
+        if let Some(equaliser) = self.equaliser.take() {
+            return self.end_equaliser(equaliser);
+        }
         let Some(mut stroke) = self.stroke.take() else { return Changes::default() };
         let finest = self.model.surface.finest();
         let changes = if stroke.reach == finest {
@@ -231,9 +234,7 @@ impl Session {
         }
         let delta = self.model.surface.form().placement.shortest_decimals(stroke.delta);
         let edit = stroke.dragged.edit(delta);
-        let step = Step::applied(edit.clone(), stroke.applied, stroke.turned);
-        self.record.edit(&mut self.model.surface, step);
-        self.committed_edit(edit);
+        self.record_step(Step::applied(edit, stroke.applied, stroke.turned));
         changes
     }
 
@@ -241,6 +242,9 @@ impl Session {
     pub fn cancel_stroke(&mut self) -> Changes {
         if let Some(brush) = self.brush.take() {
             return brush.cancel(&mut self.model.surface);
+        }
+        if let Some(equaliser) = self.equaliser.take() {
+            return equaliser.cancel(&mut self.model.surface);
         }
         match self.stroke.take() {
             Some(mut stroke) => stroke.follow(&mut self.model.surface, [0; 3]).unwrap_or_default(),
