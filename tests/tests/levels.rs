@@ -83,7 +83,6 @@ fn gains_are_dragged_live_applied_and_taken_back() {
     harness.run();
     let exaggerated = harness.render().expect("a picture");
     assert!(differing(&harness, &plain, &exaggerated) >= 200, "the surface follows live");
-    harness.snapshot("equaliser");
     click(&mut harness, "Reset gains");
     assert_eq!(hash(&harness), original);
     assert!(harness.state().document().expect("open").session.equaliser().is_none());
