@@ -132,12 +132,15 @@ fn strokes(session: &mut Session, seconds: f64) {
     println!("history in memory                  {:.1} MB", session.history_in_memory() as f64 / 1e6);
 }
 
+/// Steps of a drag: a handle of the base mesh that follows takes seconds each where nothing is previewed.
+const STEPS: u32 = 9;
+
 fn handle(session: &mut Session, name: &str, preview: Option<Level>) {
     let mut steps = Vec::new();
     if let Some(level) = preview {
         session.preview_stroke(level);
     }
-    for step in 1..30 {
+    for step in 1..=STEPS {
         let delta = [0.01 * f64::from(step), 0.0, 0.0];
         timed(&mut steps, || session.drag_to(delta).expect("in range"));
     }
