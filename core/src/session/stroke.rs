@@ -104,10 +104,11 @@ impl Stroke {
 
     fn turn_back(&mut self, surface: &mut Surface) -> Changes {
         let mut changes = Changes::nothing(surface);
-        for (level, deltas) in std::mem::take(&mut self.turned).into_iter().rev() {
-            let back: Vec<_> = deltas.into_iter().map(|(odd, v)| (odd, v.map(i32::wrapping_neg))).collect();
-            changes.join(surface.add_wavelets_up_to(level, &back, self.reach));
+        let mut back = std::mem::take(&mut self.turned);
+        for (_, v) in back.iter_mut().flat_map(|(_, deltas)| deltas) {
+            *v = v.map(i32::wrapping_neg);
         }
+        changes.join(surface.add_details_up_to(&back, self.reach));
         changes.beyond_limit = false;
         changes
     }

@@ -13,10 +13,21 @@ impl Surface {
     /// Adds to wavelet coefficients of several levels. The bits are those of [`Surface::add_wavelets`] level by level;
     /// many changes re-synthesise whole levels. Odd vertices of a level must differ. Cost: the support, `O(n_J)` at most.
     pub(crate) fn add_details(&mut self, deltas: &[(Level, Vec<(Odd, Vector)>)]) -> Changes {
+        self.add_details_up_to(deltas, self.finest())
+    }
+
+    /// [`Surface::add_details`] without the levels finer than `reach`, which stay as they were.
+    pub(crate) fn add_details_up_to(
+        &mut self,
+        deltas: &[(Level, Vec<(Odd, Vector)>)],
+        reach: Level,
+    ) -> Changes {
         let count: usize = deltas.iter().map(|(_, of_level)| of_level.len()).sum();
-        if count * WHOLE_FROM < self.scaling(self.finest()).len() {
+        if deltas.is_empty() || count * WHOLE_FROM < self.scaling(reach).len() {
             let mut changes = Changes::nothing(self);
-            deltas.iter().for_each(|(level, of_level)| changes.join(self.add_wavelets(*level, of_level)));
+            for (level, of_level) in deltas {
+                changes.join(self.add_wavelets_up_to(*level, of_level, reach));
+            }
             return changes;
         }
         for (level, of_level) in deltas {
@@ -26,7 +37,7 @@ impl Surface {
                 .for_each(|&(odd, delta)| details[odd.index()] = plus(details[odd.index()], delta));
         }
         let coarsest = deltas.iter().map(|&(level, _)| level).min().expect("something changes");
-        let changes = self.synthesise_from(coarsest, self.finest());
+        let changes = self.synthesise_from(coarsest, reach);
         self.resum();
         changes
     }
