@@ -160,7 +160,7 @@ fn a_stroke_is_the_edit_with_its_last_delta() {
                 assert!(contents(dragged.surface()) == contents(edited.surface()), "{name}, {stroke:?}");
                 assert_eq!(dragged.hash(), edited.hash(), "{name}, {stroke:?}");
                 // What the log says of the stroke makes the same edit.
-                let Some(Edit::Move(logged)) = dragged.history().last().cloned() else { panic!("{name}") };
+                let Some(Edit::Move(logged)) = dragged.history().last() else { panic!("{name}") };
                 assert_eq!(Move { delta: stroke.delta, ..logged }, stroke, "{name}");
                 edited.undo().expect("an edit");
                 edited.edit(Edit::Move(logged)).expect("a modest edit");

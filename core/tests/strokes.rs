@@ -7,13 +7,13 @@ mod samples;
 use bozzetto_core::disk::Vfs;
 use bozzetto_core::edit::{Dab, Edit, EditError, Falloff, Mirror, Step, Stroke, Tool, plan};
 use bozzetto_core::file::{Metadata, Model, encode};
-use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level, Slot};
+use bozzetto_core::hierarchy::{Level, Slot};
 use bozzetto_core::mesh::shapes;
 use bozzetto_core::session::{OpenOptions, Session, SessionError, open_model};
-use bozzetto_core::surface::{FormOptions, LIMIT, Surface};
+use bozzetto_core::surface::{LIMIT, Surface};
 use bozzetto_core::wavelet::Wavelet;
 use memory_disk::MemoryDisk;
-use samples::{Numbers, assert_consistent, contents, model, on_threads, surface};
+use samples::{Numbers, assert_consistent, ball, contents, model, on_threads, surface};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -61,6 +61,7 @@ fn random_stroke(numbers: &mut Numbers, surface: &Surface) -> Stroke {
         to: (tool == Tool::Erase && finest > Level::BASE && numbers.below(2) == 0)
             .then(|| numbers.below(u32::from(finest.0)) as u8),
         from: Some(surface.position(finest, Slot(0))),
+        v: 1 + numbers.below(tool.latest_version()),
         dabs,
         ..words(
             tool,
@@ -239,25 +240,6 @@ fn live_strokes_replay_to_the_same_bits_on_any_number_of_threads() {
         let (read, _) = open_model(&disk, Path::new("a.boz"), OpenOptions::default()).expect("a sound pair");
         assert_eq!(read.surface.hash(), hash, "{name}");
     }
-}
-
-/// A ball with bumps, its poles on the y axis, mirrored to itself by every axis plane.
-fn ball(levels: u8) -> Surface {
-    let mesh = shapes::octahedron();
-    let base = Arc::new(BaseMesh::new(6, mesh.faces.clone(), &[]).expect("a base mesh"));
-    let hierarchy = Hierarchy::new(base, Level(levels)).expect("small");
-    let layout = hierarchy.layout(Level(levels));
-    let positions: Vec<[f64; 3]> = (0..layout.len())
-        .map(|slot| {
-            let (face, b) = layout.chart(layout.site(Slot(slot)));
-            let corners = hierarchy.base().faces()[face as usize].map(|v| mesh.positions[v as usize]);
-            let p: [f64; 3] = std::array::from_fn(|c| (0..3).map(|k| f64::from(b[k]) * corners[k][c]).sum());
-            let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let bump = 1.0 + 0.02 * (40.0 * p[0].abs() / length).sin() * (40.0 * p[2].abs() / length).sin();
-            p.map(|x| x / length * bump)
-        })
-        .collect();
-    Surface::from_positions(hierarchy, &positions, &FormOptions::default()).expect("a ball")
 }
 
 fn session_of(surface: Surface) -> Session {
@@ -481,6 +463,9 @@ fn a_mask_keeps_what_it_covers() {
     assert!(session.surface().mask().value(Slot(masked[0] as u32)) > 0, "undo brings the mask back");
 }
 
+/// Surface hashes after the stroke below by version.
+const COPIED: [&str; 2] = ["b7d2803c4b1696f10227123c4287eb90", "2c3c04a2e676b9e42bc9e7536256f26a"];
+
 #[test]
 fn copied_detail_appears_elsewhere() {
     let mut surface = ball(5);
@@ -508,12 +493,23 @@ fn copied_detail_appears_elsewhere() {
     };
     let before = relief(&surface);
     let mut session = session_of(surface);
-    let stroke = Stroke { strength: 1.0, from: Some(from), ..words(Tool::Copy, 3, 0.3) };
-    stroked(&mut session, stroke.clone(), &[to]);
-    let after = relief(session.surface());
-    assert!(before < 1e-3 && after > 0.004, "{before}, then {after}");
-    let none = session.edit(Edit::Stroke(Stroke { from: None, ..stroke })).expect_err("nowhere to copy from");
-    assert!(none.to_string().contains("from"), "{none}");
+    let original = session.hash();
+    let mut hashes = Vec::new();
+    for v in 1..=Tool::Copy.latest_version() {
+        let stroke = Stroke { strength: 1.0, from: Some(from), v, ..words(Tool::Copy, 3, 0.3) };
+        stroked(&mut session, stroke.clone(), &[to]);
+        let after = relief(session.surface());
+        assert!(before < 1e-3 && after > 0.004, "version {v}: {before}, then {after}");
+        hashes.push(session.hash());
+        let nowhere = Edit::Stroke(Stroke { from: None, ..stroke });
+        let none = session.edit(nowhere).expect_err("nowhere to copy from");
+        assert!(none.to_string().contains("from"), "{none}");
+        session.undo();
+        assert_eq!(session.hash(), original);
+    }
+    // Each version replays as it always did.
+    let shown: Vec<String> = hashes.iter().map(ToString::to_string).collect();
+    assert_eq!(shown, COPIED);
 }
 
 #[test]

@@ -57,7 +57,7 @@ fn take(harness: &mut Harness<'_, Editor>, name: &str) {
 }
 
 fn last(harness: &Harness<'_, Editor>) -> Edit {
-    harness.state().document().expect("open").session.history().last().expect("a step").clone()
+    harness.state().document().expect("open").session.history().last().expect("a step")
 }
 
 fn last_stroke(harness: &Harness<'_, Editor>) -> Stroke {
@@ -70,7 +70,7 @@ fn last_stroke(harness: &Harness<'_, Editor>) -> Stroke {
 /// The log of what was done here plays the same bits on a fresh surface.
 fn assert_replays(harness: &Harness<'_, Editor>) {
     let session = &harness.state().document().expect("open").session;
-    let steps: Vec<Edit> = session.history().take(session.steps()).cloned().collect();
+    let steps: Vec<Edit> = session.history().take(session.steps()).collect();
     let Start::Session(mut fresh) = Start::sample().expect("the sample opens") else { panic!("a session") };
     for edit in steps {
         let text = serde_json::to_string(&edit).expect("plain data");

@@ -3,6 +3,7 @@
 
 mod frame;
 mod heat;
+mod hidden;
 mod normals;
 mod overlay;
 mod pick_tree;
@@ -10,6 +11,7 @@ mod vertices;
 
 pub use frame::Frame;
 pub use heat::HeatScale;
+pub use hidden::HiddenFaces;
 pub use overlay::{Influence, support_border, tints};
 pub use pick_tree::{Hit, PickTree};
 pub use vertices::ShownVertices;

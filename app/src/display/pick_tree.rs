@@ -3,7 +3,7 @@
 //! The hierarchy is the bounding-volume tree: a triangle of a coarse level bounds its descendants. Boxes are kept
 //! for all levels down to two above the shown one and refitted along the paths of moved vertices only.
 
-use super::ShownVertices;
+use super::{HiddenFaces, ShownVertices};
 use crate::render::Ray;
 use bozzetto_core::hierarchy::{Address, Hierarchy, Layout, Level, Odd, Site, Slot, Subtriangle};
 use bozzetto_core::surface::{Moved, Surface};
@@ -131,8 +131,15 @@ impl PickTree {
         self.boxes[level.index()][triangle.index(level.segments())] = joined;
     }
 
-    /// The nearest point of the shown surface on a ray. Cost: logarithmic, where the surface is not a thicket.
-    pub fn pick(&self, hierarchy: &Hierarchy, vertices: &ShownVertices, ray: &Ray) -> Option<Hit> {
+    /// The nearest point of the shown surface on a ray, passing through what is hidden. Cost: logarithmic, where the
+    /// surface is not a thicket.
+    pub fn pick(
+        &self,
+        hierarchy: &Hierarchy,
+        vertices: &ShownVertices,
+        ray: &Ray,
+        hidden: &HiddenFaces<'_>,
+    ) -> Option<Hit> {
         let layout = hierarchy.layout(self.shown);
         let mut best: Option<Hit> = None;
         let limit = |best: &Option<Hit>| best.map_or(f64::INFINITY, |hit| hit.distance);
@@ -151,6 +158,7 @@ impl PickTree {
             }
             if let Some(hit) = meet(layout, vertices, triangle, ray)
                 && hit.distance < limit(&best)
+                && !hidden.hides(slots(layout, triangle))
             {
                 best = Some(hit);
             }
@@ -192,6 +200,10 @@ impl Hit {
 
 fn site(layout: &Layout, face: u32, [i, r]: [u32; 2]) -> Site {
     layout.site_at(face, [layout.segments() - i - r, i, r])
+}
+
+fn slots(layout: &Layout, triangle: Subtriangle) -> [u32; 3] {
+    triangle.corners().map(|place| layout.slot(site(layout, triangle.face, place)).0)
 }
 
 /// The box of a triangle that lies `depth` levels above the shown ones.

@@ -5,7 +5,7 @@ use super::dialog::Dialog;
 use super::preview::PreviewView;
 use super::settings::{Hand, Navigation};
 use crate::render::{Shading, View};
-use bozzetto_core::edit::{Edit, Falloff, Kind, Spread, Tool};
+use bozzetto_core::edit::{Edit, Falloff, Kind, Over, Spread, Tool};
 use bozzetto_core::hierarchy::PublicId;
 use glam::{DVec2, DVec3};
 use std::path::PathBuf;
@@ -85,6 +85,14 @@ pub enum Command {
     EndStroke,
     /// Takes the stroke back.
     CancelStroke,
+    /// Chooses the gain of a level's detail, live.
+    SetGain(u8, f64),
+    /// Chooses where the equaliser acts.
+    SetOver(Over),
+    /// Makes the gains chosen an edit.
+    EndEqualiser,
+    /// Takes the gains chosen back.
+    CancelEqualiser,
 
     // What is worked on
     /// Chooses scaling or wavelet coefficients.
@@ -144,6 +152,15 @@ pub enum Command {
 }
 
 impl Command {
+    /// Whether it leaves gains under the hand as they are; everything else makes an edit of them first.
+    pub fn leaves_equaliser(&self) -> bool {
+        let gains =
+            matches!(self, Self::SetGain(..) | Self::SetOver(_) | Self::EndEqualiser | Self::CancelEqualiser);
+        gains
+            || self.only_looks()
+            || matches!(self, Self::SetShading(_) | Self::Toggle(_) | Self::DismissBanner)
+    }
+
     /// Whether it changes where the surface is looked at from and nothing else.
     pub fn only_looks(&self) -> bool {
         matches!(

@@ -1,12 +1,13 @@
 //! An open surface with what is shown of it.
 
-use crate::display::{Hit, PickTree, ShownVertices};
+use crate::display::{HiddenFaces, Hit, PickTree, ShownVertices};
 use crate::render::{BoundingSphere, Ray};
 use bozzetto_core::edit::{Kind, true_reach};
 use bozzetto_core::hierarchy::{Address, Level, Odd, PublicId, Slot};
 use bozzetto_core::session::{Session, SessionError};
 use bozzetto_core::surface::{Changes, Surface};
 use glam::DVec3;
+use std::cell::OnceCell;
 use std::ops::Range;
 
 /// A session, the shown level's vertices and the tree for picking, kept in step.
@@ -19,6 +20,7 @@ pub struct Document {
     sphere: BoundingSphere,
     /// A coarser level shown in place of the chosen one while a long stroke lasts.
     preview: Option<ShownVertices>,
+    spectrum: OnceCell<Vec<f64>>,
 }
 
 /// A coefficient under the cursor.
@@ -46,7 +48,7 @@ impl Document {
         let vertices = ShownVertices::new(session.surface(), shown);
         let tree = PickTree::new(session.surface().hierarchy(), &vertices);
         let sphere = BoundingSphere::of(vertices.positions());
-        Self { session, vertices, tree, sphere, preview: None }
+        Self { session, vertices, tree, sphere, preview: None, spectrum: OnceCell::new() }
     }
 
     /// The surface.
@@ -91,6 +93,17 @@ impl Document {
         Ok(changes)
     }
 
+    /// Shows a coarser level as it is, while finer ones wait for the end.
+    pub fn preview_level(&mut self, level: Level) {
+        self.preview = Some(ShownVertices::new(self.session.surface(), level));
+    }
+
+    /// The energy of every level's detail. Linear in the surface, once after every change; while a brush is at work, that
+    /// of the stroke's beginning.
+    pub fn spectrum(&self) -> &[f64] {
+        self.spectrum.get_or_init(|| self.session.surface().spectrum())
+    }
+
     /// Shows the chosen level again; whether another was shown.
     pub fn end_preview(&mut self) -> bool {
         self.preview.take().is_some()
@@ -114,6 +127,9 @@ impl Document {
 
     /// Follows an edit; the runs of slots to upload. Cost: what it moved.
     pub fn follow(&mut self, changes: &Changes) -> Vec<Range<u32>> {
+        if self.session.brush_words().is_none() {
+            self.spectrum.take();
+        }
         let Some(moved) = changes.moved.get(self.vertices().level().index()) else { return Vec::new() };
         let surface = self.session.surface();
         if let Some(preview) = &mut self.preview {
@@ -126,7 +142,9 @@ impl Document {
 
     /// The shown surface under a ray.
     pub fn pick(&self, ray: &Ray) -> Option<Hit> {
-        self.tree.pick(self.surface().hierarchy(), &self.vertices, ray)
+        let surface = self.surface();
+        let hidden = HiddenFaces::of(surface, self.vertices.level());
+        self.tree.pick(surface.hierarchy(), &self.vertices, ray, &hidden)
     }
 
     /// The coefficient of a kind and level nearest to a hit.

@@ -27,6 +27,9 @@ const LONG_WORK: u32 = 100_000;
 impl Editor {
     /// Carries out a command.
     pub(super) fn execute(&mut self, ctx: &egui::Context, command: Command) {
+        if !command.leaves_equaliser() {
+            self.end_equaliser();
+        }
         match command {
             Command::Ask(dialog) => self.dialog = Some(dialog),
             Command::CloseDialog => self.dialog = None,
@@ -73,6 +76,9 @@ impl Editor {
             | Command::DragTo(_)
             | Command::EndStroke
             | Command::CancelStroke => self.stroke(command),
+            Command::SetGain(..) | Command::SetOver(_) | Command::EndEqualiser | Command::CancelEqualiser => {
+                self.equalise(&command)
+            }
             Command::Take(_)
             | Command::SetBrushRadius(_)
             | Command::SetStrength(_)
@@ -204,6 +210,11 @@ impl Editor {
     }
 
     pub(super) fn follow(&mut self, changes: &Changes) {
+        if changes.reshaped {
+            self.follow_levels();
+        } else if changes.hidden {
+            self.scenery.replace_surface();
+        }
         if let Some(document) = &mut self.document {
             let runs = document.follow(changes);
             self.scenery.moved(runs);
@@ -214,6 +225,19 @@ impl Editor {
                 self.fail(format!("Edits no longer reach the log ({failure}); save under another name"));
             }
         }
+    }
+
+    /// Begins anew with what is shown: the surface has other levels.
+    fn follow_levels(&mut self) {
+        let Some(Document { session, .. }) = self.document.take() else { return };
+        let note = self.settings.for_levels(session.surface().finest());
+        if let Some(text) = note {
+            self.banner = Some(Banner { text, failed: false });
+        }
+        self.document = Some(Document::new(session, self.settings.shown));
+        self.scenery.replace_surface();
+        self.tool = Default::default();
+        self.brush = Default::default();
     }
 
     // ---- documents ----------------------------------------------------------------------------------------
@@ -319,6 +343,11 @@ impl Editor {
                 self.fail(sentence);
             }
             Outcome::Returned(session, done) => {
+                let reshaped = matches!(&done, Ok(Done::Changed(Some(changes))) if changes.reshaped);
+                let finest = session.surface().finest();
+                if reshaped {
+                    self.settings.for_levels(finest);
+                }
                 self.document = Some(Document::new(*session, self.settings.shown));
                 match done {
                     Ok(Done::Changed(changes)) => {

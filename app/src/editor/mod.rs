@@ -10,8 +10,10 @@ pub mod command;
 mod cursor;
 mod dialog;
 mod document;
+mod equalising;
 mod execute;
 mod importing;
+mod labels;
 mod panels;
 mod preview;
 mod scenery;
@@ -33,6 +35,7 @@ pub use start::{Start, run};
 pub use tools::{PenInput, RecordedPen, TouchPen};
 
 use crate::render::{Camera, GpuError, Samples, Style, Viewport};
+use bozzetto_core::hierarchy::Level;
 use command::Command;
 use dialog::Dialog;
 use egui::Rect;
@@ -53,6 +56,8 @@ const INSPECTOR_WIDTH: f32 = 268.0;
 const STATUS_HEIGHT: f32 = 28.0;
 /// Handles closer than this on the picture, in points, show only near the cursor.
 const CROWDED: f64 = 12.0;
+/// Edges of a level whose vertices are so far apart, in points, are not drawn at all, and drawn in full.
+const FADING_EDGES: [f64; 2] = [5.0, 16.0];
 
 /// The program behind the window.
 pub struct Editor {
@@ -244,7 +249,12 @@ impl Editor {
         let closed = document.is_some_and(|d| d.surface().hierarchy().base().boundary_loops() == 0);
         let painted = self.preview.as_ref().is_some_and(|p| p.painted().is_some());
         let cavity = if painted { 0.0 } else { Style::default().cavity };
-        let style = Style { shading: settings.shading, two_sided: !closed, cavity, ..Style::default() };
+        let mut style = Style { shading: settings.shading, two_sided: !closed, cavity, ..Style::default() };
+        let clear = document.map_or(1.0, |d| self.edges_clarity(d, settings));
+        let [r, g, b, opacity] = style.edges.color;
+        style.edges.color = [r, g, b, (f64::from(opacity) * clear).round() as u8];
+        // A surface with hidden parts is open.
+        style.two_sided |= document.is_some_and(|d| !d.surface().mask().hidden().is_empty());
         let picture = Picture {
             // A preview is only looked at: without a document there is nothing to take hold of.
             document: self.document.as_ref().filter(|_| self.preview.is_none()),
@@ -265,6 +275,20 @@ impl Editor {
         commands
     }
 
+    /// How far apart, in points, a level's vertices are in the picture: a ball's area shared out among them.
+    fn spacing(&self, document: &Document, level: Level) -> f64 {
+        let vertices = f64::from(document.surface().hierarchy().layout(level).len());
+        let size = self.picture_size();
+        let per_point = self.camera.world_per_pixel_at(document.sphere().center, size).max(1e-12);
+        document.sphere().radius * (4.0 * std::f64::consts::PI / vertices).sqrt() / per_point
+    }
+
+    /// How clearly the edited level's edges are drawn, 0 to 1: where they are dense they would hide the form.
+    fn edges_clarity(&self, document: &Document, settings: &Settings) -> f64 {
+        let [from, to] = FADING_EDGES;
+        ((self.spacing(document, settings.level) - from) / (to - from)).clamp(0.0, 1.0)
+    }
+
     /// Brings the renderer's buffers up to date.
     fn update_scenery(&mut self) {
         let shown = match (&self.preview, &self.document) {
@@ -279,13 +303,10 @@ impl Editor {
         let document = shown.document;
         let held = self.tool.target();
         let level = shown.settings.level;
-        let vertices = f64::from(document.surface().hierarchy().layout(level).len());
-        let size = self.picture_size();
-        let per_point = self.camera.world_per_pixel_at(document.sphere().center, size).max(1e-12);
-        // A ball's area shared out among the level's vertices.
-        let spacing = document.sphere().radius * (4.0 * std::f64::consts::PI / vertices).sqrt() / per_point;
+        let spacing = self.spacing(document, level);
+        let edges = self.edges_clarity(document, shown.settings) > 0.0;
         let mut renderer = self.viewport.renderer();
-        let updated = self.scenery.update(&mut renderer, &shown, held, spacing < CROWDED);
+        let updated = self.scenery.update(&mut renderer, &shown, held, spacing < CROWDED, edges);
         drop(renderer);
         if let Err(error) = updated {
             self.fail(error.to_string());

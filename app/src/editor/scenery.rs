@@ -2,7 +2,7 @@
 
 use super::document::{Document, Target};
 use super::settings::{Hand, Settings};
-use crate::display::{Influence, support_border, tints};
+use crate::display::{HiddenFaces, Influence, support_border, tints};
 use crate::render::{GhostMesh, GpuError, Handle, HandleState, Line, SurfaceRenderer};
 use bozzetto_core::edit::Kind;
 use bozzetto_core::hierarchy::{Layout, Level, PublicId, Slot};
@@ -69,12 +69,13 @@ impl Scenery {
         shown: &Shown<'_>,
         held: Option<Target>,
         dense: bool,
+        edges: bool,
     ) -> Result<(), GpuError> {
         let Shown { document, settings, .. } = *shown;
         // While a stroke is previewed on a coarser level, the held vertex has another slot.
         let held = held.and_then(|t| document.target(t.kind, t.level, t.vertex));
         self.update_surface(renderer, document)?;
-        self.update_edges(renderer, document, settings)?;
+        self.update_edges(renderer, document, settings.level, settings.edges && edges)?;
         self.update_tints(renderer, shown)?;
         let key = (settings.clone(), held, dense);
         if self.overlays || self.handles_for.as_ref() != Some(&key) {
@@ -96,7 +97,11 @@ impl Scenery {
         if std::mem::take(&mut self.surface) {
             self.runs.clear();
             renderer.set_vertices(vertices.positions(), vertices.normals())?;
-            renderer.set_triangles(&document.surface().hierarchy().triangles(vertices.level()))?;
+            let surface = document.surface();
+            let mut triangles = surface.hierarchy().triangles(vertices.level());
+            let hidden = HiddenFaces::of(surface, vertices.level());
+            triangles.retain(|&triangle| !hidden.hides(triangle));
+            renderer.set_triangles(&triangles)?;
         }
         for run in self.runs.drain(..) {
             let range = run.start as usize..run.end as usize;
@@ -113,13 +118,16 @@ impl Scenery {
         &mut self,
         renderer: &mut SurfaceRenderer,
         document: &Document,
-        settings: &Settings,
+        level: Level,
+        drawn: bool,
     ) -> Result<(), GpuError> {
         let shown = document.vertices().level();
-        let key = (settings.level.min(shown), shown, settings.edges);
+        let key = (level.min(shown), shown, drawn);
         if self.edges_for != Some(key) {
             let hierarchy = document.surface().hierarchy();
-            let edges = if settings.edges { hierarchy.edges_shown_on(key.0, shown) } else { Vec::new() };
+            let mut edges = if drawn { hierarchy.edges_shown_on(key.0, shown) } else { Vec::new() };
+            let hidden = HiddenFaces::of(document.surface(), shown);
+            edges.retain(|&[a, b]| !hidden.hides([a, b]));
             renderer.set_edges(&edges)?;
             self.edges_for = Some(key);
         }
@@ -231,6 +239,8 @@ fn handles(document: &Document, settings: &Settings, held: Option<Target>, dense
     let selected = selected.and_then(|id| document.target(settings.kind, settings.level, id));
     let held = held.filter(|_| settings.hand == Hand::Handle);
     slots.extend(selected.iter().chain(&held).map(|t| t.slot));
+    let hidden = HiddenFaces::of(document.surface(), shown);
+    slots.retain(|slot| !hidden.hides([slot.0]));
     slots.sort_unstable();
     slots.dedup();
     let fill = if settings.kind == Kind::Scaling { HANDLE_FILL } else { WAVELET_FILL };

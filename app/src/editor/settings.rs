@@ -2,7 +2,7 @@
 
 use super::command::Overlay;
 use crate::render::Shading;
-use bozzetto_core::edit::{Falloff, Kind, Mirror, Spread, Tool};
+use bozzetto_core::edit::{Falloff, Kind, Mirror, Over, Spread, Tool};
 use bozzetto_core::hierarchy::{Level, PublicId};
 
 /// What is in the hand.
@@ -74,6 +74,8 @@ pub struct Settings {
     pub follow: bool,
     /// The brush's radius chooses the level.
     pub auto_level: bool,
+    /// Where the equaliser acts.
+    pub over: Over,
     /// How far, in points, the brush trails behind the cursor; 0: not at all.
     pub steady: f64,
     /// A pen's pressure acts on the strength.
@@ -112,6 +114,7 @@ impl Default for Settings {
             spread: Spread::Smooth,
             follow: true,
             auto_level: false,
+            over: Over::All,
             steady: 0.0,
             pressure_strength: true,
             pressure_radius: false,
@@ -133,6 +136,14 @@ impl Settings {
         self.level = Level(finest.0.min(1));
         self.selected = None;
         self.settle(finest);
+    }
+
+    /// The choices after the surface got other levels: the finest is shown.
+    pub fn for_levels(&mut self, finest: Level) -> Option<String> {
+        self.shown = finest;
+        self.level = self.level.min(finest);
+        self.selected = None;
+        self.settle(finest)
     }
 
     /// The last level that coefficients of a kind have.

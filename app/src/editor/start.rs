@@ -2,6 +2,7 @@
 
 use super::Editor;
 use super::chooser::SystemChooser;
+use super::labels::{LABELS, Labels};
 use crate::render::{Gpu, Samples, device_descriptor};
 use anyhow::{Context, Result, anyhow};
 use bozzetto_core::disk::Disk;
@@ -76,6 +77,9 @@ pub fn run(file: Option<PathBuf>) -> Result<()> {
         setup.device_descriptor = Arc::new(device_descriptor);
     }
     let editor = |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
+        if let Some(path) = std::env::var_os(LABELS) {
+            cc.egui_ctx.add_plugin(Labels::new(&cc.egui_ctx, path.into()));
+        }
         Ok(Box::new(Editor::new(cc, Samples::Four, Box::new(SystemChooser::default()), start)?))
     };
     eframe::run_native("Bozzetto", options, Box::new(editor)).map_err(|error| {

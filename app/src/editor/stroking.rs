@@ -81,7 +81,7 @@ impl Editor {
                     to: None,
                     from: self.copy_from.filter(|_| tool == Tool::Copy),
                     dabs: Vec::new(),
-                    v: 1,
+                    v: tool.latest_version(),
                 };
                 document.session.begin_brush(words).map(|()| Changes::default())
             }

@@ -3,8 +3,10 @@
 //! Everything goes through [`Vfs`], so that tests can put a failing disk in its place.
 
 mod real;
+mod scratch;
 
 pub use real::Disk;
+pub use scratch::{Scratch, Stored};
 
 use std::io::{self, Write};
 use std::path::Path;

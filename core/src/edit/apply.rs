@@ -1,5 +1,7 @@
 //! Applying a plan, and taking it back: the steps of the undo record.
 
+use super::equalise::differences;
+use super::levels::{Before, reshaped};
 use super::{BrushStroke, Dab, Deltas, Edit, EditError, Follow, MaskChange, Packed, Plan, Pulled, Turned};
 use crate::hierarchy::{Level, Odd, Slot};
 use crate::surface::{Changes, Moved, Runs, Surface, Vector};
@@ -7,21 +9,13 @@ use crate::surface::{Changes, Moved, Runs, Surface, Vector};
 /// An applied edit with what is needed to undo and redo it exactly.
 #[derive(Debug, Clone)]
 pub struct Step {
-    edit: Edit,
-    effect: Effect,
-    first_pass: Option<Changes>,
-}
-
-#[derive(Debug, Clone)]
-enum Effect {
-    /// Undone by subtracting the same integers.
-    Scaling(Level, Vec<(Slot, Vector)>),
-    /// Undone by subtracting the same integers.
-    Wavelets(Level, Vec<(Odd, Vector)>),
-    /// Not additive: holds the coefficients that are *not* in the surface now, to be exchanged.
-    Details(Level, Vec<Vector>),
+    /// The edit for people; its words are packed.
+    title: String,
     /// Undone by subtracting the same integers; of the mask, by the values before.
-    Packed(Packed),
+    packed: Packed,
+    /// For a change of levels: undone first, redone instead of what is packed.
+    levels: Option<Before>,
+    first_pass: Option<Changes>,
 }
 
 impl Step {
@@ -36,27 +30,54 @@ impl Step {
         if let Plan::Follow(level, pulled, delta) = plan {
             return Self::pull(surface, edit, level, &pulled, delta);
         }
-        let mut effect = Effect::from(plan);
-        let changes = effect.act(surface, Direction::Forwards);
+        if let Plan::Levels(reshaped) = plan {
+            return Ok(Self::reshape(surface, edit, *reshaped));
+        }
+        let deltas = deltas_of(surface, plan);
+        let changes = act(surface, &deltas, &[], Direction::Forwards);
         if changes.beyond_limit {
-            effect.act(surface, Direction::Backwards);
+            act(surface, &deltas, &[], Direction::Backwards);
             return Err(EditError::BeyondLimit);
         }
-        Ok((Self { edit, effect, first_pass: Some(changes.clone()) }, changes))
+        Ok((Self::new(&edit, &deltas, &[], changes.clone()), changes))
+    }
+
+    fn new(edit: &Edit, deltas: &Deltas, mask: &[MaskChange], first_pass: Changes) -> Self {
+        let words = serde_json::to_vec(edit).expect("edits are plain data");
+        let packed = Packed::new(&words, deltas, mask);
+        Self { title: edit.to_string(), packed, levels: None, first_pass: Some(first_pass) }
+    }
+
+    fn reshape(surface: &mut Surface, edit: Edit, reshaped: Surface) -> (Self, Changes) {
+        let Edit::Levels(words) = edit else { unreachable!("only these have such a plan") };
+        let before = Before { edit: words, hierarchy: surface.hierarchy().clone() };
+        let old = std::mem::replace(surface, reshaped);
+        // What is lost on the way there and back.
+        let back = before.restored(surface);
+        let all = (0..old.finest().0).map(|j| (Level(j), back.wavelets(Level(j))));
+        let wavelets = differences(all, |level| old.wavelets(level));
+        let (mut mask, mut hidden) = (Vec::new(), Vec::new());
+        for slot in (0..old.scaling(old.finest()).len() as u32).map(Slot) {
+            let [now, then] = [&back, &old].map(|s| s.mask().value(slot));
+            if now != then {
+                mask.push((slot, then, now));
+            }
+            if back.mask().is_hidden(slot) != old.mask().is_hidden(slot) {
+                hidden.push(slot);
+            }
+        }
+        let changes = reshaped_changes(surface);
+        let deltas = Deltas { scaling: None, wavelets: negated(wavelets), hidden };
+        let edit = Edit::Levels(words);
+        let step = Self { levels: Some(before), ..Self::new(&edit, &deltas, &mask, changes.clone()) };
+        (step, changes)
     }
 
     /// The step of a stroke that is already in the surface, with the details that followed it.
     pub(crate) fn applied(edit: Edit, plan: Plan, turned: Turned) -> Self {
-        let effect = match plan {
-            Plan::Scaling(level, scaling) if !turned.is_empty() || scaling.len() > WORTH_PACKING => {
-                Effect::Packed(Packed::new(
-                    &Deltas { scaling: Some((level, scaling)), wavelets: turned },
-                    &[],
-                ))
-            }
-            plan => plan.into(),
-        };
-        Self { edit, effect, first_pass: Some(Changes::default()) }
+        let mut deltas = deltas_of_additive(plan);
+        deltas.wavelets.extend(turned);
+        Self::new(&edit, &deltas, &[], Changes::default())
     }
 
     fn pull(
@@ -76,18 +97,17 @@ impl Step {
             changes.join(turning);
             wavelets = turned;
         }
-        let packed = Packed::new(&Deltas { scaling: Some((pulled.level, scaling)), wavelets }, &[]);
+        let deltas = Deltas { scaling: Some((pulled.level, scaling)), wavelets, ..Deltas::default() };
         if changes.beyond_limit {
-            act_packed(surface, &packed, Direction::Backwards);
+            act(surface, &deltas, &[], Direction::Backwards);
             return Err(EditError::BeyondLimit);
         }
-        Ok((Self { edit, effect: Effect::Packed(packed), first_pass: Some(changes.clone()) }, changes))
+        Ok((Self::new(&edit, &deltas, &[], changes.clone()), changes))
     }
 
     /// The step of a brush stroke that is already in the surface.
     pub(super) fn brushed(edit: Edit, deltas: Deltas, mask: Vec<MaskChange>) -> Self {
-        let effect = Effect::Packed(Packed::new(&deltas, &mask));
-        Self { edit, effect, first_pass: Some(Changes::default()) }
+        Self::new(&edit, &deltas, &mask, Changes::default())
     }
 
     fn brush(
@@ -111,29 +131,65 @@ impl Step {
         Ok((step, changes))
     }
 
-    /// What the step keeps in a packed form, if it does.
-    pub fn packed(&self) -> Option<&Packed> {
-        match &self.effect {
-            Effect::Packed(packed) => Some(packed),
-            _ => None,
-        }
+    /// What the step keeps to undo and redo.
+    pub fn packed(&self) -> &Packed {
+        &self.packed
+    }
+
+    /// The edit in a few words.
+    pub fn title(&self) -> &str {
+        &self.title
     }
 
     /// The edit as it was asked for.
-    pub fn edit(&self) -> &Edit {
-        &self.edit
+    ///
+    /// # Errors
+    /// It was moved out of memory and cannot be read.
+    pub fn edit(&self) -> std::io::Result<Edit> {
+        Ok(serde_json::from_slice(&self.packed.words()?)?)
+    }
+
+    /// Whether it changed the levels there are.
+    pub fn reshapes(&self) -> bool {
+        self.levels.is_some()
     }
 }
 
-impl From<Plan> for Effect {
-    fn from(plan: Plan) -> Self {
-        match plan {
-            Plan::Scaling(level, deltas) => Effect::Scaling(level, deltas),
-            Plan::Wavelets(level, deltas) => Effect::Wavelets(level, deltas),
-            Plan::Details(level, details) => Effect::Details(level, details),
-            Plan::Follow(..) | Plan::Stroke(..) => unreachable!("these make their own steps"),
+/// What a plan adds to the surface as it is.
+fn deltas_of(surface: &Surface, plan: Plan) -> Deltas {
+    match plan {
+        Plan::Details(blocks) => {
+            let now = blocks.iter().map(|&(level, _)| (level, surface.wavelets(level)));
+            let new = |level: Level| {
+                let of_level = blocks.iter().find(|(l, _)| *l == level);
+                of_level.expect("one of the plan's levels").1.as_slice()
+            };
+            Deltas { wavelets: differences(now, new), ..Deltas::default() }
         }
+        Plan::Hidden(hidden) => Deltas { hidden, ..Deltas::default() },
+        plan => deltas_of_additive(plan),
     }
+}
+
+fn deltas_of_additive(plan: Plan) -> Deltas {
+    let mut deltas = Deltas::default();
+    match plan {
+        Plan::Scaling(level, mut of_level) => {
+            of_level.sort_unstable_by_key(|&(slot, _)| slot);
+            deltas.scaling = Some((level, of_level));
+        }
+        Plan::Wavelets(level, mut of_level) => {
+            of_level.sort_unstable_by_key(|&(odd, _)| odd);
+            deltas.wavelets.push((level, of_level));
+        }
+        _ => unreachable!("these make their own steps"),
+    }
+    deltas
+}
+
+/// Changes after which nothing known of the surface holds.
+fn reshaped_changes(surface: &Surface) -> Changes {
+    Changes { reshaped: true, hidden: true, masked: Moved::Everything, ..Changes::all(surface) }
 }
 
 /// What a pull may move: the changes of a trial, taken back again.
@@ -147,8 +203,6 @@ pub fn trial_of(surface: &mut Surface, pulled: &Pulled) -> Changes {
 
 /// Steps of a trial: far enough that no weight that matters rounds to nothing.
 const TRIAL: i32 = 1 << 22;
-/// Steps with more coefficients are kept packed.
-const WORTH_PACKING: usize = 256;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Direction {
@@ -156,59 +210,60 @@ enum Direction {
     Backwards,
 }
 
-impl Effect {
-    fn act(&mut self, surface: &mut Surface, direction: Direction) -> Changes {
-        match self {
-            Effect::Scaling(level, deltas) => surface.add_scaling(*level, &turned(deltas, direction)),
-            Effect::Wavelets(level, deltas) => surface.add_wavelets(*level, &turned(deltas, direction)),
-            Effect::Packed(packed) => act_packed(surface, packed, direction),
-            Effect::Details(level, details) => {
-                let (old, changes) = surface.replace_wavelets(*level, std::mem::take(details));
-                *details = old;
-                changes
-            }
-        }
-    }
-}
-
 fn turned<T: Copy>(deltas: &[(T, Vector)], direction: Direction) -> Vec<(T, Vector)> {
     let turn = |v: Vector| if direction == Direction::Forwards { v } else { v.map(i32::wrapping_neg) };
     deltas.iter().map(|&(at, v)| (at, turn(v))).collect()
 }
 
+fn negated(deltas: Vec<(Level, Vec<(Odd, Vector)>)>) -> Vec<(Level, Vec<(Odd, Vector)>)> {
+    deltas.into_iter().map(|(level, d)| (level, turned(&d, Direction::Backwards))).collect()
+}
+
 /// Scaling coefficients first, then wavelets from coarse to fine; backwards the other way round.
-fn act_packed(surface: &mut Surface, packed: &Packed, direction: Direction) -> Changes {
-    let (deltas, mask) = packed.unpack().expect("what was kept of a step can be read");
+fn act(surface: &mut Surface, deltas: &Deltas, mask: &[MaskChange], direction: Direction) -> Changes {
     let mut changes = Changes::nothing(surface);
     let add_scaling = |surface: &mut Surface, changes: &mut Changes| {
         if let Some((level, deltas)) = &deltas.scaling {
             changes.join(surface.add_scaling(*level, &turned(deltas, direction)));
         }
     };
-    let add_wavelets = |surface: &mut Surface, changes: &mut Changes, at: usize| {
-        let (level, deltas) = &deltas.wavelets[at];
-        changes.join(surface.add_wavelets(*level, &turned(deltas, direction)));
-    };
-    let count = deltas.wavelets.len();
     match direction {
         Direction::Forwards => {
             add_scaling(surface, &mut changes);
-            (0..count).for_each(|at| add_wavelets(surface, &mut changes, at));
+            changes.join(surface.add_details(&deltas.wavelets));
         }
         Direction::Backwards => {
-            (0..count).rev().for_each(|at| add_wavelets(surface, &mut changes, at));
+            changes.join(surface.add_details(&negated(deltas.wavelets.clone())));
             add_scaling(surface, &mut changes);
         }
     }
     let len = surface.scaling(surface.finest()).len();
-    for &(slot, before, after) in &mask {
+    for &(slot, before, after) in mask {
         let value = if direction == Direction::Forwards { after } else { before };
         surface.mask_mut().put(slot, value, len);
     }
     if !mask.is_empty() {
         changes.masked = Moved::Some(Runs::of_slots(mask.iter().map(|(slot, ..)| slot.0).collect()));
     }
+    deltas.hidden.iter().for_each(|&slot| surface.mask_mut().flip_hidden(slot, len));
+    changes.hidden = !deltas.hidden.is_empty();
     changes
+}
+
+impl Step {
+    fn act(&self, surface: &mut Surface, direction: Direction) -> Changes {
+        match (&self.levels, direction) {
+            (Some(before), Direction::Forwards) => {
+                *surface = reshaped(surface, &before.edit).expect("it was possible before");
+                return reshaped_changes(surface);
+            }
+            (Some(before), Direction::Backwards) => *surface = before.restored(surface),
+            (None, _) => {}
+        }
+        let (deltas, mask) = self.packed.unpack().expect("what was kept of a step can be read");
+        let changes = act(surface, &deltas, &mask, direction);
+        if self.levels.is_some() { reshaped_changes(surface) } else { changes }
+    }
 }
 
 impl undo::Edit for Step {
@@ -219,11 +274,11 @@ impl undo::Edit for Step {
     fn edit(&mut self, surface: &mut Surface) -> Changes {
         match self.first_pass.take() {
             Some(changes) => changes,
-            None => self.effect.act(surface, Direction::Forwards),
+            None => self.act(surface, Direction::Forwards),
         }
     }
 
     fn undo(&mut self, surface: &mut Surface) -> Changes {
-        self.effect.act(surface, Direction::Backwards)
+        self.act(surface, Direction::Backwards)
     }
 }

@@ -4,10 +4,11 @@
 //! coordinates. What the stroke has changed is known from the values it met first, so that it can be cancelled, and
 //! undone, bit for bit.
 
-use super::brushes::{Plane, displacement, turn_normal, turned};
+use super::brushes::{Plane, displacement};
+use super::copying::copied;
 use super::details::{brushed, smooth_detail};
 use super::plan::{EditError, existing_level};
-use super::reach::{Steps, Touched, minus, plus, point_on, steps, times, touched};
+use super::reach::{Steps, Touched, plus, steps, times, touched};
 use super::stroke::{Dab, MOST_DABS, Stroke, Tool};
 use super::vocabulary::{Falloff, Kind};
 use super::{Deltas, Edit, Step};
@@ -75,7 +76,7 @@ impl BrushStroke {
     /// # Errors
     /// Numbers that mean nothing, an unknown level or version.
     pub fn begin(surface: &Surface, words: Stroke) -> Result<Self, EditError> {
-        if words.v != 1 {
+        if !(1..=words.tool.latest_version()).contains(&words.v) {
             return Err(EditError::UnknownVersion { version: words.v });
         }
         if !words.is_sensible() {
@@ -185,13 +186,9 @@ impl BrushStroke {
             let region = touched(surface, level, address, radius, falloff, &mut self.marks);
             if tool == Tool::Copy {
                 let offset = self.source_offset(surface, signs);
-                moved.extend(region.iter().map(|t| {
-                    (
-                        t.slot,
-                        t.weight,
-                        times(copied(surface, self.level, t, offset), strength.clamp(-1.0, 1.0)),
-                    )
-                }));
+                let ways = copied(surface, self.level, self.words.v, &region, (address, offset));
+                let share = strength.clamp(-1.0, 1.0);
+                moved.extend(region.iter().zip(ways).map(|(t, way)| (t.slot, t.weight, times(way, share))));
                 continue;
             }
             let plane = Plane::under(surface, level, &region);
@@ -415,7 +412,8 @@ impl BrushStroke {
                 wavelets.push((level, deltas));
             }
         }
-        Deltas { scaling: (!vertices.is_empty()).then_some((level, vertices)), wavelets }
+        let scaling = (!vertices.is_empty()).then_some((level, vertices));
+        Deltas { scaling, wavelets, hidden: Vec::new() }
     }
 }
 
@@ -444,19 +442,4 @@ fn joined_images(
             (sum > 0.0).then(|| delta(of_slot[0].0, times(by, most / sum)))
         })
         .collect()
-}
-
-/// The way from a vertex of the finest level to where it has the detail, finer than a level, of the place `offset` away.
-fn copied(surface: &Surface, level: Level, touched: &Touched, offset: Steps) -> Steps {
-    let finest = surface.finest();
-    let layout = surface.hierarchy().layout(finest);
-    let position = steps(surface.scaling(finest)[touched.slot.index()]);
-    let (face, b) = layout.chart(touched.site);
-    let n = f64::from(layout.segments());
-    let here = Address { face, at: [f64::from(b[1]) / n, f64::from(b[2]) / n] };
-    let source = surface.nearest(plus(position, offset));
-    let there = minus(source.point, point_on(surface, level, source.address));
-    let own = minus(position, point_on(surface, level, here));
-    let rotation = turn_normal(surface, level, [source.address, here]);
-    minus(turned(&rotation, there), own)
 }

@@ -4,6 +4,7 @@
 //! variable-length integers, then DEFLATE. The bytes stand behind a shared handle, so that whoever keeps the history can
 //! move them elsewhere.
 
+use crate::disk::Stored;
 use crate::hierarchy::{Level, Odd, Slot};
 use crate::surface::Vector;
 use flate2::Compression;
@@ -20,6 +21,8 @@ pub struct Deltas {
     pub scaling: Option<(Level, Vec<(Slot, Vector)>)>,
     /// Additions to `d^l`, coarse to fine.
     pub wavelets: Vec<(Level, Vec<(Odd, Vector)>)>,
+    /// Vertices of the finest level that are hidden, or shown again, in order.
+    pub hidden: Vec<Slot>,
 }
 
 /// Where packed bytes are.
@@ -32,6 +35,16 @@ pub trait Kept: std::fmt::Debug + Send {
 
     /// How many of them are in memory.
     fn in_memory(&self) -> usize;
+}
+
+impl Kept for Stored {
+    fn read(&self) -> std::io::Result<Vec<u8>> {
+        Stored::read(self)
+    }
+
+    fn in_memory(&self) -> usize {
+        0
+    }
 }
 
 impl Kept for Vec<u8> {
@@ -54,9 +67,11 @@ pub struct Packed {
 pub type MaskChange = (Slot, u8, u8);
 
 impl Packed {
-    /// Packs. Linear in what there is.
-    pub fn new(deltas: &Deltas, mask: &[MaskChange]) -> Self {
+    /// Packs, with the edit's words as text before them. Linear in what there is.
+    pub fn new(words: &[u8], deltas: &Deltas, mask: &[MaskChange]) -> Self {
         let mut out = Out(DeflateEncoder::new(Vec::new(), Compression::fast()));
+        out.number(words.len() as u64);
+        out.0.write_all(words).expect("memory takes every byte");
         let (level, scaling) = match &deltas.scaling {
             Some((level, of_level)) => (u64::from(level.0), of_level.as_slice()),
             None => (0, [].as_slice()),
@@ -77,6 +92,12 @@ impl Packed {
             out.number(u64::from(before) << 8 | u64::from(after));
             last = slot.0;
         }
+        out.number(deltas.hidden.len() as u64);
+        let mut last = 0;
+        for slot in &deltas.hidden {
+            out.number(u64::from(slot.0 - last));
+            last = slot.0;
+        }
         let bytes = out.0.finish().expect("memory takes every byte");
         Self { bytes: Arc::new(Mutex::new(Box::new(bytes))) }
     }
@@ -90,6 +111,8 @@ impl Packed {
         let mut plain = Vec::new();
         DeflateDecoder::new(bytes.as_slice()).read_to_end(&mut plain)?;
         let mut input = In(plain.iter());
+        let words = input.number() as usize;
+        let mut input = In(input.0.as_slice()[words..].iter());
         let level = Level(input.number() as u8);
         let scaling: Vec<(Slot, Vector)> = input.vectors().map(|(at, v)| (Slot(at), v)).collect();
         let wavelets = (0..input.number())
@@ -106,7 +129,47 @@ impl Packed {
                 (Slot(last), (values >> 8) as u8, values as u8)
             })
             .collect();
-        Ok((Deltas { scaling: (!scaling.is_empty()).then_some((level, scaling)), wavelets }, mask))
+        let mut last = 0;
+        let hidden = (0..input.number())
+            .map(|_| {
+                last += input.number() as u32;
+                Slot(last)
+            })
+            .collect();
+        let scaling = (!scaling.is_empty()).then_some((level, scaling));
+        Ok((Deltas { scaling, wavelets, hidden }, mask))
+    }
+
+    /// The edit's words.
+    ///
+    /// # Errors
+    /// The bytes were moved elsewhere and cannot be read.
+    pub fn words(&self) -> std::io::Result<Vec<u8>> {
+        let bytes = self.bytes.lock().expect("nobody panics while holding it").read()?;
+        let mut input = DeflateDecoder::new(bytes.as_slice());
+        let (mut len, mut shift, mut byte) = (0, 0, [0x80]);
+        while byte[0] >= 0x80 {
+            input.read_exact(&mut byte)?;
+            len |= u64::from(byte[0] & 0x7f) << shift;
+            shift += 7;
+        }
+        let mut words = Vec::new();
+        input.take(len).read_to_end(&mut words)?;
+        Ok(words)
+    }
+
+    /// Brings the bytes back into memory; whether they were elsewhere.
+    ///
+    /// # Errors
+    /// They cannot be read.
+    pub fn call_back(&self) -> std::io::Result<bool> {
+        let mut kept = self.bytes.lock().expect("nobody panics while holding it");
+        let bytes = kept.read()?;
+        let elsewhere = kept.in_memory() < bytes.len();
+        if elsewhere {
+            *kept = Box::new(bytes);
+        }
+        Ok(elsewhere)
     }
 
     /// The handle behind which the bytes stand.
@@ -185,16 +248,18 @@ mod tests {
                 (Level(3), vec![(Odd(7), [5, 5, 5])]),
                 (Level(6), (0..5000).map(|i| (Odd(3 * i), [i as i32 - 2000, 0, -1])).collect()),
             ],
+            hidden: vec![Slot(2), Slot(700)],
         };
         let mask = [(Slot(9), 0, 255), (Slot(4), 17, 3)];
-        let packed = Packed::new(&deltas, &mask);
+        let packed = Packed::new(b"some words", &deltas, &mask);
+        assert_eq!(packed.words().expect("in memory"), b"some words");
         let (back, mut mask_back) = packed.unpack().expect("in memory");
         assert_eq!(back, deltas);
         mask_back.reverse();
         assert_eq!(mask_back, mask);
         let size = packed.handle().lock().expect("free").in_memory();
         assert!(size < 16_000, "{size} bytes for 5000 vectors");
-        let (nothing, none) = Packed::new(&Deltas::default(), &[]).unpack().expect("in memory");
+        let (nothing, none) = Packed::new(b"", &Deltas::default(), &[]).unpack().expect("in memory");
         assert!(nothing == Deltas::default() && none.is_empty());
     }
 }

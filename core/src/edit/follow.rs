@@ -73,8 +73,9 @@ impl Follow {
         for (before, level) in self.levels.iter().zip((self.level.0..reach.0).map(Level)) {
             let deltas = before.turned(surface, level);
             if !deltas.is_empty() {
-                changes.join(surface.add_wavelets_up_to(level, &deltas, reach));
-                all.push((level, deltas));
+                let of_level = (level, deltas);
+                changes.join(surface.add_details_up_to(std::slice::from_ref(&of_level), reach));
+                all.push(of_level);
             }
         }
         (all, changes)

@@ -1,13 +1,16 @@
 //! Planning: from an edit in model units to integers, with every reason to refuse found before anything changes.
 
 use super::brush_stroke::BrushStroke;
+use super::equalise::plan_equalise;
+use super::hide::plan_hide;
+use super::levels::reshaped;
 use super::pull::{Pull, Pulled};
 use super::region::{neighbourhood_of_odd, neighbourhood_of_slot};
 use super::stroke::Dab;
 use super::vocabulary::{Edit, Gain, Kind, Move};
 use super::weighted::weighted_steps;
 use crate::hierarchy::{Level, Odd, PublicId, Slot};
-use crate::surface::{LIMIT, Surface, Vector};
+use crate::surface::{LIMIT, NotReshaped, Surface, Vector};
 use thiserror::Error;
 
 /// Why an edit is refused. A refused edit changes nothing.
@@ -61,6 +64,17 @@ pub enum EditError {
     /// A pull of nothing, or of two things.
     #[error("a pull needs either the \"vertex\" it holds or the place \"at\" which it holds the surface")]
     Hold,
+    /// A level cannot be added or taken away.
+    #[error("{0}")]
+    Levels(#[from] NotReshaped),
+    /// A base face that does not exist.
+    #[error("base face {face} does not exist: they run from 0 to {last}")]
+    UnknownFace {
+        /// The face asked for.
+        face: u32,
+        /// The last there is.
+        last: u32,
+    },
     /// Copying without a place to copy from.
     #[error("copying detail needs the place it comes \"from\"")]
     NoSource,
@@ -82,8 +96,12 @@ pub enum Plan {
     Scaling(Level, Vec<(Slot, Vector)>),
     /// Additions to `d^j`.
     Wavelets(Level, Vec<(Odd, Vector)>),
-    /// All of `d^j` anew.
-    Details(Level, Vec<Vector>),
+    /// All of `d^j` anew, for some levels, coarse to fine.
+    Details(Vec<(Level, Vec<Vector>)>),
+    /// Another hierarchy.
+    Levels(Box<Surface>),
+    /// Vertices of the finest level that are hidden, or shown again.
+    Hidden(Vec<Slot>),
     /// Additions to `c^j`, after which the detail of a level and finer ones turns with the surface.
     Follow(Level, Pulled, Vector),
     /// Dab after dab, each planned from what those before have left.
@@ -95,13 +113,17 @@ pub enum Plan {
 /// # Errors
 /// Every reason to refuse but [`EditError::BeyondLimit`] for moves, which only applying can find.
 pub fn plan(surface: &Surface, edit: &Edit) -> Result<Plan, EditError> {
-    if edit.version() != 1 {
+    // Strokes know the versions of their tools.
+    if edit.version() != 1 && !matches!(edit, Edit::Stroke(_)) {
         return Err(EditError::UnknownVersion { version: edit.version() });
     }
     match edit {
         Edit::Move(edit) => plan_move(surface, edit),
         Edit::Gain(edit) => plan_gain(surface, edit),
         Edit::Pull(edit) => plan_pull(surface, edit),
+        Edit::Equalise(edit) => Ok(Plan::Details(plan_equalise(surface, edit)?)),
+        Edit::Levels(edit) => Ok(Plan::Levels(Box::new(reshaped(surface, edit)?))),
+        Edit::Hide(edit) => Ok(Plan::Hidden(plan_hide(surface, edit)?)),
         Edit::Stroke(stroke) => {
             Ok(Plan::Stroke(Box::new(BrushStroke::begin(surface, stroke.clone())?), stroke.dabs.clone()))
         }
@@ -210,7 +232,7 @@ fn plan_gain(surface: &Surface, edit: &Gain) -> Result<Plan, EditError> {
     };
     let details: Option<Vec<Vector>> =
         surface.wavelets(level).iter().map(|d| Some([scaled(d[0])?, scaled(d[1])?, scaled(d[2])?])).collect();
-    Ok(Plan::Details(level, details.ok_or(EditError::BeyondLimit)?))
+    Ok(Plan::Details(vec![(level, details.ok_or(EditError::BeyondLimit)?)]))
 }
 
 pub(super) fn existing_level(surface: &Surface, kind: Kind, level: u8) -> Result<Level, EditError> {

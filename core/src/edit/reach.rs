@@ -11,6 +11,8 @@ pub(super) struct Touched {
     pub(super) site: Site,
     /// From 0 to 1; above 1 where few coefficients share the pull, so that the touched point itself moves by 1.
     pub(super) weight: f64,
+    /// The place in the region of the vertex from which it was reached; `usize::MAX` for the first.
+    pub(super) from: usize,
 }
 
 /// A position or vector in steps.
@@ -81,21 +83,22 @@ pub(super) fn touched(
     if radius > spacing {
         marks.reset(layout.len());
         let inverse = 1.0 / (radius * radius);
-        let mut reach = |region: &mut Vec<Touched>, site: Site| {
+        let mut reach = |region: &mut Vec<Touched>, site: Site, from: usize| {
             let slot = layout.slot(site);
             if marks.insert(slot.0, site) {
                 let d = minus(steps(positions[slot.index()]), centre);
                 let squared = dot(d, d) * inverse;
                 if squared <= 1.0 {
-                    region.push(Touched { slot, site, weight: falloff.weight(squared.sqrt()) });
+                    let weight = falloff.weight(squared.sqrt());
+                    region.push(Touched { slot, site, weight, from });
                 }
             }
         };
-        corners.iter().for_each(|&(site, _)| reach(&mut region, site));
+        corners.iter().for_each(|&(site, _)| reach(&mut region, site, usize::MAX));
         let mut next = 0;
         while next < region.len() {
             let site = region[next].site;
-            layout.for_each_neighbour(site, |neighbour| reach(&mut region, neighbour));
+            layout.for_each_neighbour(site, |neighbour| reach(&mut region, neighbour, next));
             next += 1;
         }
     }
@@ -105,6 +108,7 @@ pub(super) fn touched(
             slot: layout.slot(site),
             site,
             weight: w / squares,
+            from: usize::MAX,
         }));
     }
     region

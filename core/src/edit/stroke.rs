@@ -58,6 +58,11 @@ impl Tool {
         matches!(self, Tool::Smooth | Tool::Sharpen | Tool::Erase)
     }
 
+    /// The newest version of what it does; older ones replay as they did.
+    pub fn latest_version(self) -> u32 {
+        if self == Tool::Copy { 2 } else { 1 }
+    }
+
     /// Its name as people read it.
     pub fn name(self) -> &'static str {
         match self {

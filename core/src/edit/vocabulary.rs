@@ -3,6 +3,9 @@
 //! An edit carries its operation's version (`"v"`, 1 by default). A version once landed is never changed, only
 //! joined by a new one, so old logs replay to the same bits for ever.
 
+use super::equalise::Equalise;
+use super::hide::Hide;
+use super::levels::Levels;
 use super::pull::Pull;
 use super::stroke::Stroke;
 use serde::{Deserialize, Serialize};
@@ -106,6 +109,12 @@ pub enum Edit {
     Pull(Pull),
     /// See [`Stroke`].
     Stroke(Stroke),
+    /// See [`Equalise`].
+    Equalise(Equalise),
+    /// See [`Levels`].
+    Levels(Levels),
+    /// See [`Hide`].
+    Hide(Hide),
 }
 
 impl Edit {
@@ -116,6 +125,9 @@ impl Edit {
             Edit::Gain(edit) => edit.v,
             Edit::Pull(edit) => edit.v,
             Edit::Stroke(edit) => edit.v,
+            Edit::Equalise(edit) => edit.v,
+            Edit::Levels(edit) => edit.v,
+            Edit::Hide(edit) => edit.v,
         }
     }
 }
@@ -130,6 +142,9 @@ impl fmt::Display for Edit {
             Edit::Gain(edit) => write!(f, "Gain level {} × {}", edit.level, edit.factor),
             Edit::Pull(edit) => edit.fmt(f),
             Edit::Stroke(edit) => edit.fmt(f),
+            Edit::Equalise(edit) => edit.fmt(f),
+            Edit::Levels(edit) => edit.fmt(f),
+            Edit::Hide(edit) => edit.fmt(f),
         }
     }
 }

@@ -137,17 +137,8 @@ pub fn lock(vfs: &dyn Vfs, wavelet_file: &Path) -> Result<Box<dyn Lock>, FileErr
         .ok_or_else(|| FileError::Locked { path: wavelet_file.to_owned() })
 }
 
-/// A whole log as text: the binding, then the entries.
-fn text_of(of: SurfaceHash, entries: &[(Entry, Option<SurfaceHash>)]) -> String {
-    let mut text = Line::to_text(&Entry::Binding { of: of.to_string() }, None) + "\n";
-    for (entry, hash) in entries {
-        text += &Line::to_text(entry, *hash);
-        text.push('\n');
-    }
-    text
-}
-
-/// Replaces the log of a wavelet file in one step by one with these entries; returns its length in bytes.
+/// Replaces the log of a wavelet file in one step by one with these lines after its binding; returns its length in
+/// bytes.
 ///
 /// # Errors
 /// The log cannot be written; then the old one or the new is there, whole.
@@ -155,10 +146,13 @@ pub fn write_log(
     vfs: &dyn Vfs,
     wavelet_file: &Path,
     of: SurfaceHash,
-    entries: &[(Entry, Option<SurfaceHash>)],
+    lines: &[u8],
 ) -> Result<u64, FileError> {
-    let (path, text) = (log_path(wavelet_file), text_of(of, entries));
-    vfs.replace(&path, text.as_bytes()).map_err(FileError::io(&path))?;
+    let path = log_path(wavelet_file);
+    let mut text = Line::to_text(&Entry::Binding { of: of.to_string() }, None).into_bytes();
+    text.push(b'\n');
+    text.extend_from_slice(lines);
+    vfs.replace(&path, &text).map_err(FileError::io(&path))?;
     Ok(text.len() as u64)
 }
 

@@ -45,9 +45,7 @@ impl Session {
         }
         match brush.finish(&mut self.model.surface) {
             Ok((step, changes)) => {
-                let edit = step.edit().clone();
-                self.record.edit(&mut self.model.surface, step);
-                self.committed_edit(edit);
+                self.record_step(step);
                 changes
             }
             Err(_) => Changes { beyond_limit: true, ..Changes::all(&self.model.surface) },

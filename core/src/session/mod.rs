@@ -5,20 +5,24 @@
 //! nothing; a replay of the log gives the same bits. Not guaranteed: that a failing disk is noticed before
 //! [`Session::journal_failure`] is asked.
 
+mod attic;
 mod brush;
+mod equalise;
 mod open;
 mod replay;
 mod stroke;
 
+pub use attic::HISTORY_BUDGET;
 pub use open::{LogUse, OpenOptions, Opened, open_model};
 pub use replay::{ReplayError, ReplayReason, effective};
 
 use crate::disk::Vfs;
-use crate::edit::{BrushStroke, Edit, EditError, Entry};
+use crate::edit::{BrushStroke, Edit, EditError, Entry, Equaliser, Line, Step};
 use crate::file::{
     FileError, Journal, Metadata, Model, NumberedLine, decode, encode, lock, log_path, write_log,
 };
 use crate::surface::{Changes, Surface, SurfaceHash};
+use attic::{Attic, LogText};
 use replay::Record;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -69,12 +73,17 @@ pub struct Session {
     path: Option<PathBuf>,
     original: SurfaceHash,
     record: Record,
-    log: Vec<(Entry, Option<SurfaceHash>)>,
+    attic: Attic,
+    log: LogText,
     saved_at: usize,
     edits: u64,
     journal: Option<Journal>,
     stroke: Option<Stroke>,
     brush: Option<BrushStroke>,
+    equaliser: Option<Equaliser>,
+    /// The model's source indices, which hold as long as the levels are those of the file.
+    source: Option<Arc<Vec<u32>>>,
+    history_failure: Option<String>,
 }
 
 /// A file system, shared; only there so that sessions can be debugged.
@@ -92,6 +101,7 @@ impl Session {
     pub fn new(vfs: Arc<dyn Vfs>, model: Model) -> Self {
         let original = model.surface.hash();
         let unsaved = Some(Arc::new(encode(&model)));
+        let source = model.source.clone();
         Self {
             vfs: Shared(vfs),
             model,
@@ -99,12 +109,16 @@ impl Session {
             path: None,
             original,
             record: Record::new(),
-            log: Vec::new(),
+            attic: Attic::default(),
+            log: LogText::default(),
             saved_at: 0,
             edits: 0,
             journal: None,
             stroke: None,
             brush: None,
+            equaliser: None,
+            source,
+            history_failure: None,
         }
     }
 
@@ -145,6 +159,7 @@ impl Session {
     pub fn edit(&mut self, edit: Edit) -> Result<Changes, SessionError> {
         self.end_stroke();
         let changes = replay::perform(&mut self.model.surface, &mut self.record, edit.clone())?;
+        self.settle_history();
         self.committed_edit(edit);
         Ok(changes)
     }
@@ -152,7 +167,9 @@ impl Session {
     /// Undoes the last step, if there is one. Ends a stroke under way first.
     pub fn undo(&mut self) -> Option<Changes> {
         self.end_stroke();
+        self.call_back(self.record.head().checked_sub(1)?)?;
         let changes = self.record.undo(&mut self.model.surface)?;
+        self.source_fits();
         self.commit(Entry::Undo(1), None);
         Some(changes)
     }
@@ -160,7 +177,9 @@ impl Session {
     /// Redoes the last undone step, if there is one. Ends a stroke under way first.
     pub fn redo(&mut self) -> Option<Changes> {
         self.end_stroke();
+        self.call_back(self.record.head())?;
         let changes = self.record.redo(&mut self.model.surface)?;
+        self.source_fits();
         self.commit(Entry::Redo(1), None);
         Some(changes)
     }
@@ -196,6 +215,7 @@ impl Session {
                 return Err(stop(ReplayReason::Cancelled));
             }
             replay::replay_entry(&mut self.model.surface, &mut self.record, &line.entry).map_err(stop)?;
+            self.settle_history();
             match &line.entry {
                 Entry::Edit(edit) => {
                     edits += 1;
@@ -213,9 +233,72 @@ impl Session {
         Ok(edits)
     }
 
-    /// The steps made so far, oldest first, undone ones included.
-    pub fn history(&self) -> impl Iterator<Item = &Edit> {
-        self.record.entries().map(|entry| entry.as_ref().edit())
+    /// The steps made so far in a few words each, oldest first, undone ones included.
+    pub fn titles(&self) -> impl Iterator<Item = &str> {
+        self.record.entries().map(|entry| entry.as_ref().title())
+    }
+
+    /// The edits of these steps. Cost: reading them all.
+    pub fn history(&self) -> impl Iterator<Item = Edit> {
+        self.record.entries().filter_map(|entry| entry.as_ref().edit().ok())
+    }
+
+    /// Chooses how many bytes of undo history stay in memory; older steps go to a scratch file.
+    pub fn set_history_budget(&mut self, bytes: usize) {
+        self.attic.set_budget(bytes);
+    }
+
+    /// How many bytes of undo history and log are in memory.
+    pub fn history_in_memory(&self) -> usize {
+        self.attic.in_memory() + self.log.in_memory()
+    }
+
+    /// Why steps cannot be undone or redone, if they cannot be read any more.
+    pub fn history_failure(&self) -> Option<&str> {
+        self.history_failure.as_deref()
+    }
+
+    /// Brings a step back into memory before it is undone or redone; none if that fails.
+    fn call_back(&mut self, at: usize) -> Option<()> {
+        let packed = self.record.entries().nth(at)?.as_ref().packed();
+        match packed.call_back() {
+            Ok(false) => {}
+            Ok(true) => self.attic.keep(packed),
+            Err(error) => {
+                self.history_failure = Some(format!("The history cannot be read any more: {error}"));
+                return None;
+            }
+        }
+        Some(())
+    }
+
+    /// Makes a step that is in the surface part of history and log.
+    fn record_step(&mut self, step: Step) {
+        let edit = step.edit().expect("it is in memory");
+        self.record.edit(&mut self.model.surface, step);
+        self.settle_history();
+        self.committed_edit(edit);
+    }
+
+    /// After a new step: it counts, and older ones make room.
+    fn settle_history(&mut self) {
+        if let Some(entry) = self.record.head().checked_sub(1).and_then(|at| self.record.entries().nth(at)) {
+            self.attic.keep(entry.as_ref().packed());
+        }
+        self.source_fits();
+    }
+
+    /// Counts all steps of a log that was replayed.
+    fn keep_history(&mut self) {
+        self.record.entries().for_each(|entry| self.attic.keep(entry.as_ref().packed()));
+        self.source_fits();
+    }
+
+    /// Source indices name vertices by id and hold only while the levels are the file's.
+    fn source_fits(&mut self) {
+        let steps = self.record.entries().take(self.record.head());
+        let reshaped = self.source.is_some() && steps.into_iter().any(|entry| entry.as_ref().reshapes());
+        self.model.source = if reshaped { None } else { self.source.clone() };
     }
 
     /// How many steps of the history are in effect.
@@ -274,11 +357,13 @@ impl Session {
             (None, Some(old)) => Arc::new(self.vfs.0.read(old).map_err(|cause| io_error(old, cause))?),
             (None, None) => return Err(SessionError::NoFile),
         };
-        let mut log = self.log.clone();
-        log.push((Entry::Save, Some(self.hash())));
+        let mut log = self.log.text().map_err(|cause| io_error(&log_path(&path), cause))?;
+        let hash = Some(self.hash());
+        log.extend_from_slice(Line::to_text(&Entry::Save, hash).as_bytes());
+        log.push(b'\n');
         let journal = self.write_pair(&path, &bytes, &log)?;
-        self.saved_at = log.len();
-        self.log = log;
+        self.log.push(&Entry::Save, hash);
+        self.saved_at = self.log.len();
         self.journal = Some(journal);
         self.path = Some(path);
         self.unsaved = None;
@@ -288,12 +373,7 @@ impl Session {
     /// Writes a wavelet file and its log so that what is there meanwhile, or after a failure, never takes one
     /// document's log for another's: a new file appears after its log, and a file that is replaced comes back with its
     /// log if not all can be written. Returns the journal that goes on there.
-    fn write_pair(
-        &self,
-        path: &Path,
-        bytes: &[u8],
-        log: &[(Entry, Option<SurfaceHash>)],
-    ) -> Result<Journal, FileError> {
+    fn write_pair(&self, path: &Path, bytes: &[u8], log: &[u8]) -> Result<Journal, FileError> {
         let vfs = &*self.vfs.0;
         let lock = lock(vfs, path)?;
         let write = |bytes: &[u8]| vfs.replace(path, bytes).map_err(|cause| io_error(path, cause));
@@ -363,7 +443,7 @@ impl Session {
         if let Some(journal) = &self.journal {
             journal.commit(&entry, hash);
         }
-        self.log.push((entry, hash));
+        self.log.push(&entry, hash);
     }
 }
 

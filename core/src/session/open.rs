@@ -1,5 +1,6 @@
 //! Opening: wavelet file + log.
 
+use super::attic::{Attic, LogText};
 use super::replay::{Record, effective, replay};
 use super::{FileError, Journal, Model, Session, SessionError, Shared, decode, io_error, lock, log_path};
 use crate::disk::Vfs;
@@ -108,8 +109,12 @@ pub fn open_model(
     if let Some((line, what)) = log.damage {
         return Err(damaged(&log_path(path), line, what).into());
     }
-    replay(&mut model.surface, &mut Record::new(), &lines, &|_| true)
+    let mut record = Record::new();
+    replay(&mut model.surface, &mut record, &lines, &|_| true)
         .map_err(|error| SessionError::Replay { path: log_path(path), error })?;
+    if record.entries().take(record.head()).any(|entry| entry.as_ref().reshapes()) {
+        model.source = None;
+    }
     Ok((model, notes))
 }
 
@@ -150,7 +155,12 @@ impl Session {
         }
         // A log of blank lines has no binding yet either.
         if keep == 0 || log.of.is_none() {
-            keep = write_log(&*vfs, path, session.original, &session.log)?;
+            keep = write_log(
+                &*vfs,
+                path,
+                session.original,
+                &session.log.text().map_err(|cause| io_error(&logs, cause))?,
+            )?;
         }
         let journal = Journal::open(&*vfs, path, keep, lock)?;
         session.path = Some(path.to_owned());
@@ -193,9 +203,11 @@ impl Session {
         let mut record = Record::new();
         let edits = replay(&mut model.surface, &mut record, &lines, progress)
             .map_err(|error| SessionError::Replay { path: log_path(path), error })?;
-        let log: Vec<_> = lines.into_iter().map(|l| (l.line.entry, l.line.hash)).collect();
-        let saved_at = log.iter().rposition(|(entry, _)| *entry == Entry::Save).map_or(0, |at| at + 1);
-        Ok(Self {
+        let saved_at = lines.iter().rposition(|l| l.line.entry == Entry::Save).map_or(0, |at| at + 1);
+        let mut log = LogText::default();
+        lines.iter().for_each(|l| log.push(&l.line.entry, l.line.hash));
+        let source = model.source.clone();
+        let mut session = Self {
             vfs: Shared(vfs),
             model,
             unsaved: None,
@@ -208,7 +220,13 @@ impl Session {
             journal: None,
             stroke: None,
             brush: None,
-        })
+            equaliser: None,
+            source,
+            history_failure: None,
+            attic: Attic::default(),
+        };
+        session.keep_history();
+        Ok(session)
     }
 }
 

@@ -144,10 +144,11 @@ impl Stroke {
 
     fn turn_back(&mut self, surface: &mut Surface) -> Changes {
         let mut changes = Changes::nothing(surface);
-        for (level, deltas) in std::mem::take(&mut self.turned).into_iter().rev() {
-            let back: Vec<_> = deltas.into_iter().map(|(odd, v)| (odd, v.map(i32::wrapping_neg))).collect();
-            changes.join(surface.add_wavelets_up_to(level, &back, self.reach));
+        let mut back = std::mem::take(&mut self.turned);
+        for (_, v) in back.iter_mut().flat_map(|(_, deltas)| deltas) {
+            *v = v.map(i32::wrapping_neg);
         }
+        changes.join(surface.add_details_up_to(&back, self.reach));
         changes.beyond_limit = false;
         changes
     }
@@ -196,7 +197,7 @@ impl Session {
 
     /// Whether a stroke is under way.
     pub fn in_stroke(&self) -> bool {
-        self.stroke.is_some() || self.brush.is_some()
+        self.stroke.is_some() || self.brush.is_some() || self.equaliser.is_some()
     }
 
     /// Moves the stroke to a delta in model units, measured from its beginning. Levels coarser than dragged scaling
@@ -247,6 +248,9 @@ impl Session {
         if let Some(brush) = self.brush.take() {
             return self.end_brush(brush);
         }
+        if let Some(equaliser) = self.equaliser.take() {
+            return self.end_equaliser(equaliser);
+        }
         let Some(mut stroke) = self.stroke.take() else { return Changes::default() };
         let surface = &mut self.model.surface;
         let finest = surface.finest();
@@ -264,9 +268,7 @@ impl Session {
         }
         let delta = surface.form().placement.shortest_decimals(stroke.delta);
         let edit = stroke.dragged.edit(delta);
-        let step = Step::applied(edit.clone(), stroke.region.moved_by(stroke.delta), stroke.turned);
-        self.record.edit(&mut self.model.surface, step);
-        self.committed_edit(edit);
+        self.record_step(Step::applied(edit, stroke.region.moved_by(stroke.delta), stroke.turned));
         changes
     }
 
@@ -274,6 +276,9 @@ impl Session {
     pub fn cancel_stroke(&mut self) -> Changes {
         if let Some(brush) = self.brush.take() {
             return brush.cancel(&mut self.model.surface);
+        }
+        if let Some(equaliser) = self.equaliser.take() {
+            return equaliser.cancel(&mut self.model.surface);
         }
         let Some(mut stroke) = self.stroke.take() else { return Changes::default() };
         let surface = &mut self.model.surface;

@@ -184,19 +184,34 @@ impl Search<'_> {
     }
 
     fn meet(&mut self, triangle: Subtriangle) {
-        let corners = triangle.corners().map(|place| at(self.layout, self.positions, triangle.face, place));
-        let (point, squared_distance) = closest_on_triangle(self.p, &corners);
+        let squared_distance = closest_within(self.layout, self.positions, self.p, triangle).1;
         let index = triangle.index(self.layout.segments());
         let better = self
             .best
             .as_ref()
             .is_none_or(|(best, first)| (squared_distance, index) < (best.squared_distance, *first));
         if better {
-            let weights = weights_of(point, &corners);
-            let address = Address::within(triangle, self.layout.level(), weights);
-            self.best = Some((Nearest { address, point: point.to_array(), squared_distance }, index));
+            self.best = Some((meet(self.layout, self.positions, self.p, triangle), index));
         }
     }
+}
+
+/// The point of a finest triangle closest to `p`, and its squared distance.
+pub(super) fn closest_within(
+    layout: &Layout,
+    positions: &[Vector],
+    p: DVec3,
+    triangle: Subtriangle,
+) -> (DVec3, f64) {
+    closest_on_triangle(p, &corners(layout, positions, triangle))
+}
+
+/// The place of a finest triangle closest to `p`.
+pub(super) fn meet(layout: &Layout, positions: &[Vector], p: DVec3, triangle: Subtriangle) -> Nearest {
+    let (point, squared_distance) = closest_within(layout, positions, p, triangle);
+    let weights = weights_of(point, &corners(layout, positions, triangle));
+    let address = Address::within(triangle, layout.level(), weights);
+    Nearest { address, point: point.to_array(), squared_distance }
 }
 
 /// Weights of a triangle's corners, none negative, sum 1, for a point of it.
@@ -208,9 +223,11 @@ fn weights_of(point: DVec3, [a, b, c]: &[DVec3; 3]) -> [f64; 3] {
     if sum > 0.0 { areas.map(|x| x / sum) } else { [1.0, 0.0, 0.0] }
 }
 
-fn at(layout: &Layout, positions: &[Vector], face: u32, [i, r]: [u32; 2]) -> DVec3 {
-    let slot = layout.slot(layout.site_at(face, [layout.segments() - i - r, i, r]));
-    DVec3::from_array(positions[slot.index()].map(f64::from))
+fn corners(layout: &Layout, positions: &[Vector], triangle: Subtriangle) -> [DVec3; 3] {
+    triangle.corners().map(|[i, r]| {
+        let slot = layout.slot(layout.site_at(triangle.face, [layout.segments() - i - r, i, r]));
+        DVec3::from_array(positions[slot.index()].map(f64::from))
+    })
 }
 
 /// The box of what a triangle of the leaves' level holds on the finest.

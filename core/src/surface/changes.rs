@@ -85,6 +85,10 @@ pub struct Changes {
     pub moved: Vec<Moved>,
     /// Vertices of the finest level whose mask changed.
     pub masked: Moved,
+    /// Whether the surface has other levels now: nothing known of the old ones holds any more.
+    pub reshaped: bool,
+    /// Whether vertices were hidden or shown again.
+    pub hidden: bool,
     /// Whether some coordinate or coefficient went beyond the limit; the surface then has to be put back.
     pub beyond_limit: bool,
 }
@@ -119,6 +123,13 @@ impl Changes {
     /// Joins what a later edit changed to this.
     pub fn join(&mut self, later: Changes) {
         self.beyond_limit |= later.beyond_limit;
+        self.hidden |= later.hidden;
+        if later.reshaped || self.reshaped {
+            self.reshaped = true;
+            self.moved = later.moved;
+            self.masked = Moved::Everything;
+            return;
+        }
         self.masked.join(later.masked);
         if self.moved.is_empty() {
             self.moved = later.moved;

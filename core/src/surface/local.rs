@@ -5,10 +5,10 @@
 //! level, whole runs of rows go through [`refine`].
 
 use super::stroke::in_order;
-use super::{Changes, LIMIT, Marks, Moved, Runs, Surface, Vector, within_limit};
+use super::{Changes, LIMIT, Marks, Runs, Surface, Vector, within_limit};
 use crate::hierarchy::{Layout, Level, Odd, PublicId, Site, Slot};
 use crate::wavelet::lifting::{minus, plus, predicted, rounded};
-use crate::wavelet::rows::{Patch, refine, synthesise_level};
+use crate::wavelet::rows::{Patch, refine};
 
 /// A change of position: what was added to `c^j` at a slot.
 pub(super) type Step = (Slot, Vector);
@@ -61,27 +61,6 @@ impl Surface {
         }
         self.follow_bounds(&changes);
         changes
-    }
-
-    /// Replaces all wavelet coefficients of level j and re-synthesises the finer levels whole. `O(n_J)`. Returns
-    /// the old coefficients beside the changes.
-    ///
-    /// # Panics
-    /// If the block does not have the level's length.
-    pub fn replace_wavelets(&mut self, level: Level, details: Vec<Vector>) -> (Vec<Vector>, Changes) {
-        assert_eq!(details.len(), self.wavelets[level.index()].len());
-        let old = std::mem::replace(&mut self.wavelets[level.index()], details);
-        for j in level.0..self.finest().0 {
-            let (scaling, wavelets) = (&self.scaling[usize::from(j)], &self.wavelets[usize::from(j)]);
-            self.scaling[usize::from(j) + 1] =
-                synthesise_level(&self.hierarchy, &self.filters, Level(j), scaling, wavelets);
-        }
-        self.sum = self.full_sum();
-        let mut changes = Changes::none(self.scaling.len());
-        changes.moved[level.index() + 1..].fill(Moved::Everything);
-        changes.beyond_limit = !self.is_within_limit();
-        self.follow_bounds(&changes);
-        (old, changes)
     }
 
     /// One level of local analysis: from the vertices of `M^{j+1}` that moved to those of `M^j` that did.

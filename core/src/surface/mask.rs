@@ -10,8 +10,8 @@ use crate::hierarchy::{Level, Slot};
 /// Values by slot of the finest level: 0 free, 255 kept as it is.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Mask {
-    values: Vec<u8>,
-    hidden: Vec<bool>,
+    pub(super) values: Vec<u8>,
+    pub(super) hidden: Vec<bool>,
 }
 
 impl Mask {
@@ -44,6 +44,17 @@ impl Mask {
     pub(crate) fn put(&mut self, slot: Slot, value: u8, len: usize) -> u8 {
         self.values.resize(len, 0);
         std::mem::replace(&mut self.values[slot.index()], value)
+    }
+
+    /// Hides a vertex, or shows it again. `len` is the number of finest vertices.
+    pub(crate) fn flip_hidden(&mut self, slot: Slot, len: usize) {
+        self.hidden.resize(len, false);
+        self.hidden[slot.index()] ^= true;
+    }
+
+    /// Whether something is hidden. Linear in the finest vertices once something was.
+    pub fn hides_something(&self) -> bool {
+        self.hidden.contains(&true)
     }
 }
 

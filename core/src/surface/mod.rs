@@ -14,7 +14,10 @@ mod local;
 mod marks;
 mod mask;
 mod placement;
+mod reshape;
 mod stroke;
+mod walk;
+mod whole;
 
 pub use bounds::Nearest;
 pub use changes::{Changes, Moved, Runs};
@@ -23,6 +26,8 @@ pub use form::{Form, FormOptions, NotASurface};
 pub(crate) use marks::Marks;
 pub use mask::Mask;
 pub use placement::{DEFAULT_PRECISION, LIMIT, NotPlaceable, PRECISIONS, Placement, UpAxis};
+
+pub use reshape::NotReshaped;
 
 use crate::hierarchy::{Hierarchy, Level, Odd, PublicId, Slot};
 use crate::mesh::TriangleMesh;

@@ -3,10 +3,12 @@
 use super::inspector::tighten;
 use crate::editor::command::Command;
 use crate::editor::settings::{Hand, Navigation, Settings};
-use bozzetto_core::edit::{Spread, Tool};
+use bozzetto_core::edit::{Edit, Hide, Part, Spread, Tool};
+use bozzetto_core::surface::Mask;
 
 /// Draws the choices of the tool in the hand.
-pub(super) fn hand(ui: &mut egui::Ui, settings: &Settings, masked: bool, commands: &mut Vec<Command>) {
+pub(super) fn hand(ui: &mut egui::Ui, settings: &Settings, mask: &Mask, commands: &mut Vec<Command>) {
+    let masked = !mask.values().is_empty();
     if settings.hand != Hand::Handle {
         let mut radius = settings.brush_radius;
         let slider = egui::Slider::new(&mut radius, 0.005..=1.0)
@@ -99,6 +101,30 @@ pub(super) fn hand(ui: &mut egui::Ui, settings: &Settings, masked: bool, command
         if clear.on_hover_text("Free everything that is masked").clicked() {
             commands.push(Command::ClearMask);
         }
+        ui.horizontal(|ui| {
+            tighten(ui);
+            for (part, name, tip) in [
+                (Part::Mask, "Hide masked", "What is masked is not drawn, not hit and not changed"),
+                (Part::Free, "Isolate masked", "Only what is masked is shown"),
+            ] {
+                if ui.add_enabled(masked, egui::Button::new(name)).on_hover_text(tip).clicked() {
+                    commands.push(hide(part));
+                }
+            }
+        });
+    }
+    if !mask.hidden().is_empty() {
+        ui.horizontal(|ui| {
+            tighten(ui);
+            for (part, name, tip) in [
+                (Part::Nothing, "Show all", "Nothing is hidden any more"),
+                (Part::Shown, "Swap hidden", "Hide what is shown, and show what is hidden"),
+            ] {
+                if ui.button(name).on_hover_text(tip).clicked() {
+                    commands.push(hide(part));
+                }
+            }
+        });
     }
     ui.horizontal(|ui| {
         tighten(ui);
@@ -115,4 +141,8 @@ pub(super) fn hand(ui: &mut egui::Ui, settings: &Settings, masked: bool, command
             }
         }
     });
+}
+
+fn hide(part: Part) -> Command {
+    Command::Edit(Edit::Hide(Hide { part, faces: Vec::new(), v: 1 }))
 }

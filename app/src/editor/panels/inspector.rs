@@ -1,6 +1,7 @@
 //! The inspector on the right: level, coefficient, display, history.
 
 use super::Seen;
+use super::equaliser::equaliser;
 use super::hand::hand;
 use crate::editor::command::{Command, Overlay};
 use crate::editor::document::Document;
@@ -8,7 +9,7 @@ use crate::editor::settings::Settings;
 use crate::editor::theme;
 use crate::figures::grouped;
 use crate::render::Shading;
-use bozzetto_core::edit::{Edit, Falloff, Gain, Kind};
+use bozzetto_core::edit::{Edit, Falloff, Gain, Kind, LevelChange, Levels};
 use bozzetto_core::hierarchy::Level;
 
 /// Draws the inspector.
@@ -22,10 +23,13 @@ pub(crate) fn inspector(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
     ui.add_enabled_ui(seen.work.is_none(), |ui| {
         ui.add_space(4.0);
         section(ui, seen.settings.hand.name(), |ui| {
-            hand(ui, seen.settings, !document.surface().mask().is_unused(), &mut commands);
+            hand(ui, seen.settings, document.surface().mask(), &mut commands);
         });
         section(ui, "Level", |ui| levels(ui, document, seen.settings, &mut commands));
         section(ui, "Coefficient", |ui| coefficient(ui, document, seen.settings, &mut commands));
+        if document.surface().finest() > Level::BASE {
+            closed_section(ui, "Equaliser", |ui| equaliser(ui, document, seen.settings, &mut commands));
+        }
         section(ui, "Display", |ui| display(ui, document, seen.settings, &mut commands));
         section(ui, "History", |ui| history(ui, document, &mut commands));
     });
@@ -33,7 +37,15 @@ pub(crate) fn inspector(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
 }
 
 fn section(ui: &mut egui::Ui, title: &str, content: impl FnOnce(&mut egui::Ui)) {
-    egui::CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(true).show_unindented(
+    collapsing(ui, title, true, content);
+}
+
+fn closed_section(ui: &mut egui::Ui, title: &str, content: impl FnOnce(&mut egui::Ui)) {
+    collapsing(ui, title, false, content);
+}
+
+fn collapsing(ui: &mut egui::Ui, title: &str, open: bool, content: impl FnOnce(&mut egui::Ui)) {
+    egui::CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(open).show_unindented(
         ui,
         |ui| {
             ui.add_space(2.0);
@@ -82,6 +94,42 @@ fn levels(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands:
             }
         },
     );
+    change_levels(ui, document, settings, commands);
+}
+
+/// A level more, or fewer; how many vertices the next would have is said before.
+fn change_levels(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands: &mut Vec<Command>) {
+    let surface = document.surface();
+    let (level, finest) = (settings.level, surface.finest());
+    let next = surface.vertices_of_next_level();
+    let mut button = |ui: &mut egui::Ui, enabled, name: &str, tip: String, change, level| {
+        let button = ui.add_enabled(enabled, egui::Button::new(name));
+        if button.on_hover_text(&tip).on_disabled_hover_text(&tip).clicked() {
+            commands.push(Command::Edit(Edit::Levels(Levels { change, level, v: 1 })));
+        }
+    };
+    ui.horizontal(|ui| {
+        tighten(ui);
+        let tip = match next {
+            Some(count) => {
+                format!("Level {} with {} vertices and no detail yet", finest.finer(), grouped(count.into()))
+            }
+            None => "Another level would have too many vertices".to_owned(),
+        };
+        button(ui, next.is_some(), "Add level", tip, LevelChange::Add, None);
+        if let Some(count) = next {
+            ui.colored_label(theme::FAINT, format!("of {} vertices", grouped(count.into())));
+        }
+    });
+    ui.horizontal(|ui| {
+        tighten(ui);
+        let tip = format!("Delete the levels finer than {level}, and their detail");
+        button(ui, level < finest, "Delete finer", tip, LevelChange::Finest, Some(level.0));
+        let tip = format!(
+            "Delete the levels coarser than {level}: the surface stays, but level {level} becomes the base mesh"
+        );
+        button(ui, level > Level::BASE, "Delete coarser", tip, LevelChange::Base, Some(level.0));
+    });
 }
 
 fn coefficient(ui: &mut egui::Ui, document: &Document, settings: &Settings, commands: &mut Vec<Command>) {
@@ -207,8 +255,8 @@ fn history(ui: &mut egui::Ui, document: &Document, commands: &mut Vec<Command>) 
             if ui.selectable_label(current == 0, "Opened").clicked() {
                 commands.push(Command::GoTo(0));
             }
-            for (at, edit) in session.history().enumerate() {
-                let text = egui::RichText::new(format!("{}  {edit}", at + 1));
+            for (at, title) in session.titles().enumerate() {
+                let text = egui::RichText::new(format!("{}  {title}", at + 1));
                 let text = if at + 1 > current { text.color(theme::FAINT) } else { text };
                 if ui.selectable_label(at + 1 == current, text).clicked() {
                     commands.push(Command::GoTo(at + 1));

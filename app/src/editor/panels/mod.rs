@@ -2,6 +2,7 @@
 
 mod banner;
 mod dialogs;
+mod equaliser;
 mod hand;
 mod import;
 mod inspector;

@@ -16,9 +16,9 @@ pub(crate) fn strip(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
     let import = Dialog::Import(Box::new(ImportChoices::file(String::new())));
     let finest = seen.document.map_or(0, |d| d.surface().finest().0);
     let export = PathTask::Export { level: finest };
-    let (undo, redo) = seen
-        .document
-        .map_or((false, false), |d| (d.session.steps() > 0, d.session.steps() < d.session.history_len()));
+    let (undo, redo) = seen.document.map_or((false, false), |d| {
+        (d.session.steps() > 0 || d.session.in_stroke(), d.session.steps() < d.session.history_len())
+    });
     ui.vertical_centered(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.add_space(6.0);
