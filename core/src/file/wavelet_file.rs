@@ -170,7 +170,7 @@ fn wave_chunks(stream: &Encoded) -> Vec<Chunk> {
 
 /// How many bytes of the stream a `WAVE` chunk has at most after so many.
 fn most(from: usize) -> usize {
-    (2 * LEAST).max(from / 2).min(MOST)
+    LEAST.max(from / 2).min(MOST)
 }
 
 /// The error, as the upper half of an `f32` in steps, and a part of the stream.

@@ -3,8 +3,11 @@
 //! Blocks are offered in a fixed order, by how far a step of their plane moves the surface; a bit says whether the block
 //! offered is taken. So the writer may choose another order, and pays for it only where it does.
 
+mod choice;
 mod errors;
 
+pub(in crate::file) use self::choice::Granularity;
+use self::choice::{Choice, coarsest, noise};
 use self::errors::Errors;
 use super::finish::{self, finish, predictions};
 use super::frames::{Frame, frames};
@@ -341,17 +344,6 @@ fn bound(details: &[Vector]) -> u32 {
     }
 }
 
-/// What a writer chose, or a reader was told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Choice {
-    /// Which of the candidates.
-    index: usize,
-    /// How many planes.
-    count: u32,
-    /// All of the level.
-    finish: bool,
-}
-
 impl State<'_> {
     /// Codes which step comes next, and takes it; whether all of it was there.
     fn step<C: Coder>(
@@ -394,15 +386,6 @@ impl State<'_> {
             }
         }
     }
-}
-
-/// How a writer goes through the planes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::file) enum Granularity {
-    /// Plane by plane down to what is noise: the best model for every number of bytes.
-    Fine,
-    /// Level by level: read several times faster, and coarse levels first.
-    Coarse,
 }
 
 /// A place where a stream can be cut at no loss.
@@ -455,26 +438,6 @@ pub(in crate::file) fn encode_stream(
         borders.push(Border { position: encoder.position(), error: errors.total(hierarchy) });
     }
     Encoded { bytes: encoder.finish(), borders }
-}
-
-/// From which plane on the finest level is told better as it differs from a smooth surface: twice its mean
-/// magnitude.
-fn noise(details: &[&[Vector]]) -> u32 {
-    let finest = details.last().copied().unwrap_or_default();
-    let sum: u64 = finest.iter().flatten().map(|x| u64::from(x.unsigned_abs())).sum();
-    let mean = sum / (3 * finest.len() as u64).max(1);
-    65 - mean.leading_zeros()
-}
-
-/// All that is missing of the coarsest thing that is not whole.
-fn coarsest(candidates: &[(Step, u32)]) -> Choice {
-    let rank = |step: Step| match step {
-        Step::Base => 0,
-        Step::Begin(j) | Step::Refine(j, _) => j + 1,
-    };
-    let index = (0..candidates.len()).min_by_key(|&index| rank(candidates[index].0)).unwrap_or(0);
-    let (step, plane) = candidates[index];
-    Choice { index, count: plane, finish: matches!(step, Step::Refine(..)) }
 }
 
 /// What a stream, or the part of it that is there, holds.
