@@ -338,6 +338,13 @@ class Frame:
             square = (1 << 28) + self.p * self.p + self.q * self.q
             self.P, self.Q = quotient(self.p << 28, square), quotient(self.q << 28, square)
 
+    def turn(self, d):
+        a, b, c = (d[(self.a + k) % 3] for k in range(3))
+        half = 1 << 13
+        normal = wrap(a + (self.p * b + self.q * c + half >> 14))
+        b, c = wrap(b - (self.P * normal + half >> 14)), wrap(c - (self.Q * normal + half >> 14))
+        return (wrap(-normal) if self.reversed else normal, b, c)
+
     def back(self, normal, b, c):
         normal, half = -normal if self.reversed else normal, 1 << 13
         b = wrap(b + (self.P * normal + half >> 14))
@@ -367,10 +374,16 @@ class Stream:
                  [0, 700, 1500, 3000, 6000, 10000, 13000], [0, 1500, 3000, 6000, 9000])
         self.significant = [[[[[min(32768, a + b + c), 2] for c in first[2]] for b in first[1]] for a in first[0]]
                             for _ in range(2)]
-        self.taken, self.more, self.plain = models(62000, 8, 4), [8000, 2], [2000, 4]
+        self.taken, self.more, self.finishing = models(62000, 8, 4), [8000, 2], [2000, 4]
         self.positions, self.signs = models(32768, 0, 3, 33), models(32768, 4, 5)
         self.length, self.second = models(22000, 2, 2, 10, 12), models(28000, 4, 2, 12)
         self.refined = models(28000, 4, 2)
+        # By level: how far parts are from their predictions, where the level is finished.
+        self.residuals = [None] * head.levels
+        likely = lambda e, i: [8000, 20000, 38000, 54000, 61000][max(0, min(4, max(0, e // 2 - 3) + 2 - i))]
+        self.length_r = [[[[likely(e, i), 1] for i in range(33)] for e in range(40)] for _ in range(2)]
+        self.second_r = models(28000, 4, 2, 33)
+        self.refined_r = [[[one, 2] for one in (8000, 16000, 26000, 36000, 46000, 50000)] for _ in range(2)]
         self.beginning()
         try:
             while self.step():
@@ -418,10 +431,9 @@ class Stream:
         while at + 1 < len(steps) and not coder.bit(self.taken[min(at, 3)]):
             at += 1
         _, j, k, plane = steps[at]
-        count = 1
-        while (j is None or k is not None) and count < plane and coder.bit(self.more):
+        count, finish = 1, k is not None and coder.bit(self.finishing)
+        while not finish and (j is None or k is not None) and count < plane and coder.bit(self.more):
             count += 1
-        plain = k is not None and coder.bit(self.plain)
         coder.check()
         if j is None:
             self.plane -= count
@@ -431,8 +443,10 @@ class Stream:
                 self.c0[v], self.base_planes[v] = [x | y for x, y in zip(position, more)], self.plane
         elif k is None:
             self.begin(j)
+        elif finish:
+            self.finish(j)
         else:
-            self.block(j, k, plane, plane - count, plain)
+            self.block(j, k, plane, plane - count)
         return True
 
     def begin(self, j):
@@ -454,7 +468,7 @@ class Stream:
         self.planes[j] = [max(most - self.coder.raw(5), 0) for _ in range(2)]
         self.coder.check()
 
-    def block(self, j, k, plane, to, plain):
+    def block(self, j, k, plane, to):
         known, before = self.known[j], self.known[j - 1] if j else None
         self.planes[j][k] = to
         self.above[j][k] = dict.fromkeys(known, plane)
@@ -466,25 +480,22 @@ class Stream:
             new = list(parts)
             for c in [[0], [1, 2]][k]:
                 own = (abs(new[0]) >> to + 1) * (c > 0) + 2 * (abs(new[1]) >> to) * (c > 1)
-                new[c] = self.part(k, plane, to, plain, (min(near, 63), parent, own, sign), new[c])
+                new[c] = self.part(k, plane, to, (min(near, 63), parent, own, sign), new[c])
             self.coder.check()
             known[i] = new
             del self.above[j][k][i]
 
-    def part(self, k, plane, to, plain, context, x):
+    def part(self, k, plane, to, context, x):
         coder, count = self.coder, plane - to
         near, parent, own, sign = context
         near, parent, own = self.NEAR[near], min(parent.bit_length(), 6), min(own.bit_length(), 4)
         if x:
-            if abs(x) >> plane == 1 and not plain:
+            if abs(x) >> plane == 1:
                 low = coder.bit(self.refined[k]) << (count - 1)
                 low |= coder.raw(count - 1)
             else:
                 low = coder.raw(count)
             return x + (low << to) if x > 0 else x - (low << to)
-        if plain:
-            size = coder.raw(count)
-            return 0 if not size else -(size << to) if coder.raw(1) else size << to
         if not coder.bit(self.significant[k][near][parent][own]):
             return 0
         length, size = 0, 1
@@ -495,6 +506,63 @@ class Stream:
             size = size << (length - 1) | coder.raw(length - 1)
         negative = coder.bit(self.signs[sign + 2]) if k == 0 else coder.raw(1)
         return -(size << to) if negative else size << to
+
+    def predictions(self, j):
+        level, positions = Level(self.base, j), self.known_positions(j)
+        flaps = {}
+        for i, (u, w) in self.parents[j].items():
+            beside = level.opposite[u, w]
+            flaps[i] = [2 * (positions[beside[0]][c] + positions[beside[1]][c] - positions[u][c] - positions[w][c])
+                        if len(beside) == 2 else 0 for c in range(3)]
+        return {i: self.frames[j][i].turn([wrap(16 - sum(flaps[x][c] for x in self.near[j][i]) >> 5) for c in range(3)])
+                for i in self.parents[j]}
+
+    def finish(self, j):
+        predicted, known, planes = self.predictions(j), self.known[j], self.planes[j]
+        before = self.residuals[j - 1] if j else None
+        residuals = self.residuals[j] = dict.fromkeys(known, (0, 0, 0))
+        self.planes[j], self.above[j] = [0, 0], [dict.fromkeys(known, plane) for plane in planes]
+        sizes = lambda parts: (abs(parts[0]), abs(parts[1]) + abs(parts[2]))
+        for i, parts in known.items():
+            near = [residuals[x] for x in self.near[j][i]]
+            above = [before[x] for x in self.parents[j][i] if x in before] if before else []
+            new, off = list(parts), [0, 0, 0]
+            for c in range(3):
+                k = min(c, 1)
+                sums = [sum(sizes(parts)[k] for parts in group) for group in (near, above, [predicted[i]])]
+                own = (0, abs(off[0]), (abs(off[0]) >> 1) + abs(off[1]))[c]
+                expected = 4 * sums[0] + sums[1] + (4 if k else 2) * sums[2] + 4 * own >> k
+                at = wrap(predicted[i][c] + (5 * sum(parts[c] for parts in near) >> 4))
+                if planes[k]:
+                    new[c] = self.corrected(k, planes[k], expected, at, new[c])
+                off[c] = wrap(new[c] - at)
+            self.coder.check()
+            known[i], residuals[i] = new, off
+            del self.above[j][0][i], self.above[j][1][i]
+
+    def corrected(self, k, plane, expected, at, x):
+        coder, bits = self.coder, expected.bit_length()
+        if x:
+            along = -at if x < 0 else at
+            place = max(-1, min(4, 4 * (along - abs(x)) >> plane))
+            low = coder.bit(self.refined_r[k][place + 1]) << (plane - 1)
+            low |= coder.raw(plane - 1)
+            return x + low if x > 0 else x - low
+        context = expected if bits < 2 else min(39, 2 * bits - 2 + (expected >> (bits - 2) & 1))
+        at = max(1 - (1 << plane), min((1 << plane) - 1, at))
+        length = 0
+        while length < 32 and coder.bit(self.length_r[k][context][length]):
+            length += 1
+        if not length:
+            return at
+        left = length - 1
+        size = 1 << left
+        if left:
+            left -= 1
+            size |= coder.bit(self.second_r[k][length]) << left
+        tail = coder.raw(left + 1)
+        size |= tail >> 1
+        return wrap(at - size if tail & 1 else at + size)
 
     def known_base(self):
         return {v: tuple(wrap(x + (1 << plane >> 1)) for x in position)
@@ -521,6 +589,7 @@ class Stream:
         found = self.known_base()
         for j in range(self.head.levels):
             found.update(self.known_details(j))
+        require(not exact or self.coder.at >= len(self.coder.data), "the stream goes on after its end")
         if not exact:
             found = {i: tuple(max(-LIMIT, min(LIMIT, x)) for x in d) for i, d in found.items()}
         require(all(abs(x) <= LIMIT for d in found.values() for x in d), "a coefficient beyond the limit")

@@ -2,19 +2,23 @@
 
 use super::input::{LogArgs, load_model};
 use super::output;
+use super::size::SizeArgs;
+use crate::opening::is_wavelet_file;
 use anyhow::{Context, Result, bail};
+use bozzetto_core::file::{Model, encode};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::io::{MeshFormat, write_mesh};
 use bozzetto_core::surface::Surface;
 use std::path::PathBuf;
 
-/// Write a level of a surface as a mesh, vertices in public order.
+/// Write a level of a surface as a mesh, vertices in public order; or as a smaller wavelet file.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: bozzetto export assets/head.boz -o head.obj --level 3")]
+#[command(after_help = "Example: bozzetto export assets/head.boz -o head.obj --level 3\n\
+    Example: bozzetto export assets/head.boz -o small.boz --bytes 4000")]
 pub(super) struct Args {
     /// The wavelet file.
     file: PathBuf,
-    /// The mesh to write: .obj, .ply, .stl, .glb or .off.
+    /// The mesh to write: .obj, .ply, .stl, .glb or .off; or a .boz with as much as --bytes, --psnr or --keep leave.
     #[arg(short, long)]
     output: PathBuf,
     /// The level to write; the finest if left out.
@@ -24,6 +28,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "FRACTION", value_parser = fraction)]
     keep: Option<f64>,
     #[command(flatten)]
+    size: SizeArgs,
+    #[command(flatten)]
     log: LogArgs,
 }
 
@@ -32,17 +38,38 @@ pub(super) struct Args {
 /// # Errors
 /// The file cannot be read, the level does not exist, or the mesh cannot be written.
 pub(super) fn run(args: &Args) -> Result<()> {
-    let Some(format) = MeshFormat::from_path(&args.output) else {
-        bail!("{}: the format is not known; use .obj, .ply, .stl, .glb or .off", args.output.display());
-    };
-    output::check(&args.output)?;
-    let mut surface = load_model(&args.file, args.log.options())?.surface;
-    if let Some(fraction) = args.keep {
-        surface = largest_kept(&surface, fraction)?;
+    let format = MeshFormat::from_path(&args.output);
+    if is_wavelet_file(&args.output) {
+        output::check_lone_wavelet_file(&args.output)?;
+        if args.level.is_some() {
+            bail!("{}: a wavelet file holds every level; leave --level out", args.output.display());
+        }
+    } else if format.is_some() {
+        output::check(&args.output)?;
+    } else {
+        bail!("{}: the format is not known; use .obj, .ply, .stl, .glb, .off or .boz", args.output.display());
     }
-    let level = existing_level(&surface, args.level).with_context(|| args.file.display().to_string())?;
+    let mut model = load_model(&args.file, args.log.options())?;
+    let name = || args.file.display().to_string();
+    if !model.complete && is_wavelet_file(&args.output) {
+        bail!("{}: this file is incomplete; get the rest of it first", name());
+    }
+    if let Some(fraction) = args.keep {
+        let kept = largest_kept(&model.surface, fraction)?;
+        model = Model { unknown: model.unknown, ..Model::new(kept, None, model.metadata) };
+    }
+    let mut file = None;
+    if args.size.is_given() {
+        let whole = model.surface.to_mesh(model.surface.finest());
+        let (bytes, smaller) = args.size.shrink(&model, &whole).with_context(name)?;
+        (file, model) = (Some(bytes), smaller);
+    }
+    let Some(format) = format else {
+        return output::replace(&args.output, &file.unwrap_or_else(|| encode(&model)));
+    };
+    let level = existing_level(&model.surface, args.level).with_context(name)?;
     let mut bytes = Vec::new();
-    write_mesh(&surface.to_mesh(level), format, &mut bytes)
+    write_mesh(&model.surface.to_mesh(level), format, &mut bytes)
         .with_context(|| args.output.display().to_string())?;
     output::replace(&args.output, &bytes)
 }

@@ -4,12 +4,14 @@ use super::form::FormArgs;
 use super::info::Info;
 use super::output;
 use super::progress::Progress;
+use super::size::SizeArgs;
 use crate::figures::tolerance;
 use crate::opening::{ImportOptions, import_file};
 use crate::report::report;
 use anyhow::{Result, bail};
 use bozzetto_core::conversion::{ConversionOptions, Remesh};
 use bozzetto_core::file::encode;
+use bozzetto_core::mesh::{CompareOptions, compare};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -21,7 +23,8 @@ use std::path::{Path, PathBuf};
     between the two is measured and said.\n\n\
     Example: bozzetto import scan.obj -o scan.boz --wavelet 2\n\
     Example: bozzetto import part.stl -o part.boz --up z --unit mm --tolerance 1e-3 --report part.html\n\
-    Example: bozzetto import scan.ply -o scan.boz --levels 5 --base-faces 500 --json"
+    Example: bozzetto import scan.ply -o scan.boz --levels 5 --base-faces 500 --json\n\
+    Example: bozzetto import scan.ply -o small.boz --levels 5 --base-faces 60 --precision 18 --psnr 65"
 )]
 pub(super) struct Args {
     /// The mesh: .obj, .ply, .stl, .glb or .off.
@@ -48,6 +51,8 @@ pub(super) struct Args {
     /// Upper limit of base faces; chosen from the mesh if left out.
     #[arg(long, value_name = "N")]
     base_faces: Option<usize>,
+    #[command(flatten)]
+    size: SizeArgs,
     /// Write a report beside it: one HTML file with pictures, distances, repairs, settings and times.
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
@@ -127,18 +132,28 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     let options = args.options()?;
     let progress = Progress::new("Importing");
-    let (source, imported) =
+    let (source, mut imported) =
         import_file(&args.mesh, &options, &|stage, done| progress.report(stage.share(done)))?;
-    let model = &imported.model;
-    let [rms, max] = imported.distance;
-    let base_faces = model.surface.hierarchy().base().faces().len();
+    let base_faces = imported.model.surface.hierarchy().base().faces().len();
     if let Some(limit) = args.base_faces.filter(|&limit| base_faces > limit) {
         bail!(
             "{}: its base mesh has {base_faces} faces, more than --base-faces {limit} allows",
             args.mesh.display()
         );
     }
-    let bytes = encode(model);
+    let bytes = if args.size.is_given() {
+        let (bytes, smaller) = args.size.shrink(&imported.model, &source.mesh)?;
+        let mesh = smaller.surface.to_mesh(smaller.surface.finest());
+        let measured = compare(&source.mesh, &mesh, &CompareOptions::default(), &|_| true)?;
+        imported.model = smaller;
+        imported.distance = [measured.rms, measured.max];
+        imported.measured = Some(measured);
+        bytes
+    } else {
+        encode(&imported.model)
+    };
+    let model = &imported.model;
+    let [rms, max] = imported.distance;
     let name = args.output.file_name().unwrap_or_default().to_string_lossy();
     let page = args.report.as_ref().map(|_| report(&source, &imported, &options, &name)).transpose()?;
     output::replace(&args.output, &bytes)?;
@@ -148,7 +163,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let report = Report {
         info: Info::of(model, bytes.len() as u64),
         seconds: progress.seconds(),
-        cleaned: imported.cleaned,
+        cleaned: imported.cleaned.clone(),
         rms,
         max,
         tolerance_met: args.tolerance.map(|tolerance| max <= tolerance),

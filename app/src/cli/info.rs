@@ -3,8 +3,8 @@
 use super::input::{LogArgs, load_surface};
 use super::output;
 use anyhow::{Context, Result};
-use bozzetto_core::file::Model;
-use bozzetto_core::surface::CHANNELS;
+use bozzetto_core::file::{CurvePoint, Model};
+use bozzetto_core::surface::{CHANNELS, Surface};
 use bozzetto_core::wavelet::Wavelet;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -46,6 +46,8 @@ pub(super) struct Info {
     complete: bool,
     bytes: u64,
     hash: String,
+    /// How far the surface was from the whole after so many bytes of the file: estimates over the diagonal.
+    curve: Vec<CurvePoint>,
 }
 
 impl Info {
@@ -76,6 +78,7 @@ impl Info {
             complete: model.complete,
             bytes,
             hash: surface.hash().to_string(),
+            curve: curve(model),
         }
     }
 
@@ -109,11 +112,45 @@ impl Info {
             ("hash", self.hash.clone()),
             ("file", format!("{} bytes{}", self.bytes, if self.complete { "" } else { ", incomplete" })),
         ];
+        lines.extend(self.curve_lines());
         if self.sharp_edges > 0 {
             lines.insert(3, ("sharp", format!("{} base edges", self.sharp_edges)));
         }
         lines.into_iter().map(|(key, value)| format!("{key:<13}{value}\n")).collect()
     }
+
+    /// A point of the curve for every doubling of bytes.
+    fn curve_lines(&self) -> Vec<(&'static str, String)> {
+        let mut lines = Vec::new();
+        let mut due = 0;
+        for point in self.curve.iter().filter(|point| point.error > 0.0) {
+            if point.bytes >= due {
+                let decibels = -20.0 * point.error.log10();
+                let key = if lines.is_empty() { "curve" } else { "" };
+                lines.push((key, format!("{:>9} bytes  about {decibels:.1} dB", point.bytes)));
+                due = 2 * point.bytes;
+            }
+        }
+        lines
+    }
+}
+
+/// The file's curve, errors over the diagonal of the box around the finest vertices.
+fn curve(model: &Model) -> Vec<CurvePoint> {
+    let diagonal = diagonal(&model.surface);
+    let over = |point: &CurvePoint| CurvePoint { error: point.error / diagonal, ..*point };
+    model.curve.iter().map(over).filter(|point| point.error.is_finite()).collect()
+}
+
+fn diagonal(surface: &Surface) -> f64 {
+    let finest = surface.scaling(surface.finest());
+    let side = |c: usize| {
+        let (low, high) =
+            finest.iter().fold((i32::MAX, i32::MIN), |(low, high), v| (low.min(v[c]), high.max(v[c])));
+        f64::from(high) - f64::from(low)
+    };
+    let squares: f64 = (0..3).map(|c| side(c) * side(c)).sum();
+    squares.sqrt() * surface.form().placement.step
 }
 
 /// Runs the command.

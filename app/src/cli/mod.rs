@@ -17,6 +17,7 @@ mod output;
 mod progress;
 mod render;
 mod replay;
+mod size;
 mod verify;
 
 pub use input::{Loaded, load};

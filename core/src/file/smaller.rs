@@ -37,7 +37,7 @@ pub enum NoSuchFile {
 }
 
 /// A wavelet file of at most that size, and the surface in it. Cost: writing the whole, and reading and, for a distance,
-/// measuring a part some ten times.
+/// measuring a part some fifteen times.
 ///
 /// # Errors
 /// No file can be that small, or none that near.
@@ -59,28 +59,32 @@ pub fn encode_smaller(model: &Model, size: Size) -> Result<(Vec<u8>, Model), NoS
             }
         }
         Size::Psnr(wanted, mesh) => {
-            let found = |at: usize| {
-                let (file, smaller) =
-                    cut_to(model, &stream, stream.borders[at].position.min(stream.bytes.len()));
+            let found = |cut: usize| {
+                let (file, smaller) = cut_to(model, &stream, cut);
                 (psnr(mesh, &smaller.surface), file, smaller)
             };
-            let last = stream.borders.len() - 1;
-            let (best, file, whole) = found(last);
-            if best < wanted {
-                return Err(NoSuchFile::NotThatNear { best });
+            // Doubling, then halving: a prefix costs what it is long.
+            let (mut low, mut high, mut step) = (0, least, least);
+            let mut result = found(high);
+            while result.0 < wanted {
+                if high == stream.bytes.len() {
+                    return Err(NoSuchFile::NotThatNear { best: result.0 });
+                }
+                low = high;
+                high = stream.bytes.len().min(high + step);
+                step *= 2;
+                result = found(high);
             }
-            // The nearest border found that is near enough, and one before it that is not.
-            let (mut result, mut high, mut low) = ((file, whole), last, None);
-            while low.map_or(high > 0, |low| low + 1 < high) {
-                let middle = low.map_or(high / 2, |low| (low + high) / 2);
-                let (psnr, file, smaller) = found(middle);
-                if psnr >= wanted {
-                    (result, high) = ((file, smaller), middle);
+            while high - low > 1 + high / 500 && high > least {
+                let middle = low.midpoint(high);
+                let nearer = found(middle);
+                if nearer.0 >= wanted {
+                    (result, high) = (nearer, middle);
                 } else {
-                    low = Some(middle);
+                    low = middle;
                 }
             }
-            Ok(result)
+            Ok((result.1, result.2))
         }
     }
 }

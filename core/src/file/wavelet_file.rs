@@ -152,9 +152,11 @@ fn wave_chunks(stream: &Encoded) -> Vec<Chunk> {
     let (mut from, mut before) = (0, stream.borders[0]);
     for (at, &border) in stream.borders.iter().enumerate() {
         let last = at + 1 == stream.borders.len();
-        while border.position - from > MOST {
-            chunks.push(wave_chunk(&stream.bytes[from..from + MOST], before.error));
-            from += MOST;
+        // Of a long block a part is worth having too.
+        while border.position - from > most(from) {
+            let to = from + most(from);
+            chunks.push(wave_chunk(&stream.bytes[from..to], before.error));
+            from = to;
         }
         if last || border.position - from >= LEAST.max(from / 4) {
             let to = if last { stream.bytes.len() } else { border.position };
@@ -164,6 +166,11 @@ fn wave_chunks(stream: &Encoded) -> Vec<Chunk> {
         before = border;
     }
     chunks
+}
+
+/// How many bytes of the stream a `WAVE` chunk has at most after so many.
+fn most(from: usize) -> usize {
+    LEAST.max(from / 2).min(MOST)
 }
 
 /// The error, as the upper half of an `f32` in steps, and a part of the stream.
@@ -218,6 +225,9 @@ impl Reader<'_> {
                 "get the rest of the file",
             ));
         };
+        if decoded.surplus {
+            return Err(self.error(self.at, "the coefficients go on after their end", RESTORE));
+        }
         let beyond =
             || self.error(PREAMBLE_END, "coefficients reach beyond the range of coordinates", RESTORE);
         // Before synthesis, whose sums are exact within the limit only. What is known in part may overshoot.

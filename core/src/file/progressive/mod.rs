@@ -2,10 +2,12 @@
 //! significance, each bit under a model learnt from what came before. docs/FORMAT.md specifies every bit of it.
 
 mod connectivity;
+mod finish;
 mod frames;
 mod planes;
 mod range_coder;
 mod stream;
+mod visit;
 
 pub(super) use connectivity::{decode_base, encode_base};
 pub(super) use stream::{Encoded, Granularity, decode_stream, encode_stream};

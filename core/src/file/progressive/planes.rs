@@ -7,7 +7,8 @@
 //! its neighbours on the level, of its parents' coefficients one level coarser, and of its own other components.
 
 use super::range_coder::{Coder, Model};
-use crate::hierarchy::{Layout, Site};
+use super::visit::{Place, visit};
+use crate::hierarchy::Layout;
 use crate::surface::Vector;
 
 /// The two classes of components: along the normal, and the two in the surface.
@@ -66,8 +67,6 @@ pub(super) struct Block {
     pub(super) class: usize,
     pub(super) from: u32,
     pub(super) to: u32,
-    /// Without models.
-    pub(super) plain: bool,
 }
 
 /// What a block reads and writes: components by slot of `M^{j+1}`.
@@ -145,66 +144,7 @@ pub(super) fn code<C: Coder>(
     level: &mut Level,
 ) -> Result<(), u32> {
     let (coarse, fine) = (level.coarse, level.fine);
-    let (n, base) = (coarse.segments(), coarse.base().clone());
-    let mut odd = 0;
-    for edge in 0..base.edges().len() as u32 {
-        for t in (1..2 * n).step_by(2) {
-            anywhere(coder, models, block, level, Site::Edge { edge, t }, odd)?;
-            odd += 1;
-        }
-    }
-    for face in 0..base.faces().len() as u32 {
-        for r in 1..2 * n - 1 {
-            let last = 2 * n - r - 1;
-            let inner = 1 < r && 2 < last;
-            let at = |layout: &Layout, r: u32| layout.row(face, r).0.wrapping_sub(1);
-            let rows = if inner { [at(fine, r - 1), at(fine, r), at(fine, r + 1)] } else { [0; 3] };
-            let above = if inner { [at(coarse, r / 2), at(coarse, r.div_ceil(2))] } else { [0; 2] };
-            let first_step = if r % 2 == 1 { 1 } else { 2 };
-            for i in (1..=last).step_by(first_step) {
-                if inner && 1 < i && i < last {
-                    let [down, row, up] = rows.map(|row| row + i);
-                    let near = [row - 1, row + 1, down, down + 1, up, up - 1];
-                    let parents = match (i % 2, r % 2) {
-                        (1, 0) => [above[0] + i / 2, above[0] + i.div_ceil(2)],
-                        (0, 1) => [above[0] + i / 2, above[1] + i / 2],
-                        _ => [above[0] + i.div_ceil(2), above[1] + i / 2],
-                    };
-                    let context =
-                        if block.plain { Context::default() } else { level.context(block, &near, parents) };
-                    vertex(coder, models, block, context, level, [row, odd])?;
-                } else {
-                    anywhere(coder, models, block, level, Site::Face { face, i, r }, odd)?;
-                }
-                odd += 1;
-            }
-        }
-    }
-    Ok(())
-}
-
-/// A vertex wherever it lies.
-fn anywhere<C: Coder>(
-    coder: &mut C,
-    models: &mut Models,
-    block: Block,
-    level: &mut Level,
-    site: Site,
-    odd: u32,
-) -> Result<(), u32> {
-    let slot = level.fine.slot(site).0;
-    let context = if block.plain {
-        Context::default()
-    } else {
-        let (mut near, mut count) = ([0; 6], 0);
-        level.fine.for_each_neighbour(site, |site| {
-            near[count] = level.fine.slot(site).0;
-            count += 1;
-        });
-        let parents = level.coarse.parents(site).map(|site| level.coarse.slot(site).0);
-        level.context(block, &near[..count], parents)
-    };
-    vertex(coder, models, block, context, level, [slot, odd])
+    visit(coarse, fine, |place| vertex(coder, models, block, level, place))
 }
 
 #[inline(always)]
@@ -212,10 +152,11 @@ fn vertex<C: Coder>(
     coder: &mut C,
     models: &mut Models,
     block: Block,
-    context: Context,
     level: &mut Level,
-    [slot, odd]: [u32; 2],
+    place: Place,
 ) -> Result<(), u32> {
+    let Place { odd, slot, near, parents } = place;
+    let context = level.context(block, near, parents);
     let truth = if C::WRITES { level.truth[odd as usize] } else { [0; 3] };
     let mut value = level.known[slot as usize];
     for c in CLASSES[block.class].clone() {
@@ -248,7 +189,7 @@ fn component<C: Coder>(
     let size = truth.unsigned_abs() >> block.to;
     if known != 0 {
         let low = size & ((1u64 << count) - 1) as u32;
-        let low = if !block.plain && known.unsigned_abs() >> block.from == 1 {
+        let low = if known.unsigned_abs() >> block.from == 1 {
             let first = coder.bit(&mut models.refined[block.class], low >> (count - 1) != 0);
             u32::from(first) << (count - 1) | coder.long_raw(count - 1, low & ((1 << (count - 1)) - 1))
         } else {
@@ -256,15 +197,6 @@ fn component<C: Coder>(
         };
         let size = known.unsigned_abs() | low << block.to;
         return if known < 0 { (size as i32).wrapping_neg() } else { size as i32 };
-    }
-    if block.plain {
-        let size = coder.long_raw(count, size);
-        if size == 0 {
-            return 0;
-        }
-        let negative = coder.raw(1, u32::from(truth < 0)) == 1;
-        let size = (size << block.to) as i32;
-        return if negative { -size } else { size };
     }
     let model = &mut models.significant[block.class][context.near][context.parent][own];
     if !coder.bit(model, size != 0) {

@@ -188,6 +188,11 @@ impl<'a> Decoder<'a> {
         decoder
     }
 
+    /// How many bytes have been read.
+    pub(super) fn position(&self) -> usize {
+        self.at
+    }
+
     #[inline(always)]
     fn next(&mut self) -> u32 {
         let byte = self.bytes.get(self.at).copied().unwrap_or(0);

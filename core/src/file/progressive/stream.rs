@@ -3,9 +3,13 @@
 //! Blocks are offered in a fixed order, by how far a step of their plane moves the surface; a bit says whether the block
 //! offered is taken. So the writer may choose another order, and pays for it only where it does.
 
+mod choice;
 mod errors;
 
+pub(in crate::file) use self::choice::Granularity;
+use self::choice::{Choice, coarsest, noise};
 use self::errors::Errors;
+use super::finish::{self, finish, predictions};
 use super::frames::{Frame, frames};
 use super::planes::{Block, CLASSES, Level as Planes, Models, code};
 use super::range_coder::{Coder, Decoder, Encoder, Model};
@@ -33,8 +37,10 @@ struct Details {
     frames: Vec<Frame>,
     /// By class.
     planes: [u32; 2],
-    /// A class of which the vertices from some odd one on are at a coarser plane than the others.
-    cut: Option<(usize, u32, u32)>,
+    /// The first odd vertex that is still at other planes, and those.
+    cut: Option<(u32, [u32; 2])>,
+    /// By slot of `M^{j+1}`, how far components are from their predictions. Empty before the level is finished.
+    residuals: Vec<Vector>,
 }
 
 /// What is known of a surface while it is written or read.
@@ -47,14 +53,17 @@ struct State<'a> {
     base_cut: Option<(usize, u32)>,
     levels: Vec<Details>,
     models: Models,
+    finishing: finish::Models,
     order: OrderModels,
+    /// The positions of a level, as long as nothing coarser has changed.
+    synthesised: Option<(usize, Vec<Vector>)>,
 }
 
 /// The models of what stands between blocks.
 struct OrderModels {
     taken: [Model; 4],
     more: Model,
-    plain: Model,
+    finish: Model,
     positions: [[Model; 33]; 3],
 }
 
@@ -63,7 +72,7 @@ impl Default for OrderModels {
         Self {
             taken: [Model::new(62_000, 8); 4],
             more: Model::new(8000, 2),
-            plain: Model::new(2000, 4),
+            finish: Model::new(2000, 4),
             positions: [[Model::EVEN; 33]; 3],
         }
     }
@@ -99,8 +108,20 @@ impl State<'_> {
         all.into_iter().map(|(_, step, plane)| (step, plane)).collect()
     }
 
-    /// The positions of `M^level` as far as they are known.
-    fn positions(&self, level: usize) -> Vec<Vector> {
+    /// The positions of `M^level` as far as they are known, kept for the next time.
+    fn positions(&mut self, level: usize) -> &[Vector] {
+        if self.synthesised.as_ref().is_none_or(|(kept, _)| *kept != level) {
+            self.synthesised = Some((level, self.synthesise(level)));
+        }
+        self.synthesised.as_ref().map_or(&[], |(_, positions)| positions)
+    }
+
+    /// Something of a level has changed, or of the base positions: what lies above it is no longer true.
+    fn changed(&mut self, level: Option<usize>) {
+        self.synthesised.take_if(|(kept, _)| level.is_none_or(|level| level < *kept));
+    }
+
+    fn synthesise(&self, level: usize) -> Vec<Vector> {
         let mut positions = self.known_base();
         for j in 0..level {
             positions = rows::synthesise_level(
@@ -138,7 +159,7 @@ impl State<'_> {
             let mut local = [0; 3];
             for (class, range) in CLASSES.into_iter().enumerate() {
                 let plane = match details.cut {
-                    Some((cut, first, above)) if cut == class && odd >= first => above,
+                    Some((first, above)) if odd >= first => above[class],
                     _ => details.planes[class],
                 };
                 for c in range {
@@ -153,8 +174,8 @@ impl State<'_> {
     /// Gets a level ready for its first block: its frames are those of the positions known now, and never change. Then
     /// each class's highest plane, counted down from the level's.
     fn begin<C: Coder>(&mut self, coder: &mut C, j: usize, truth: &mut Truth) {
-        let positions = self.positions(j);
-        let frames = frames(self.hierarchy, Level(j as u8), &positions);
+        let hierarchy = self.hierarchy;
+        let frames = frames(hierarchy, Level(j as u8), self.positions(j));
         let details = &mut self.levels[j];
         if C::WRITES {
             truth.local[j].par_iter_mut().zip(&frames).for_each(|(d, frame)| *d = frame.turn(*d));
@@ -179,14 +200,42 @@ impl State<'_> {
             truth,
         };
         let stopped = code(coder, &mut self.models, block, &mut planes).err();
+        rest[0].cut = stopped.map(|first| (first, rest[0].planes));
         rest[0].planes[block.class] = block.to;
-        rest[0].cut = stopped.map(|first| (block.class, first, block.from));
+        self.changed(Some(j));
+        stopped.is_none()
+    }
+
+    /// Codes all that is missing of a level; whether it was there.
+    fn finish<C: Coder>(&mut self, coder: &mut C, j: usize, truth: &[Vector]) -> bool {
+        let (hierarchy, level) = (self.hierarchy, Level(j as u8));
+        self.positions(j);
+        let positions = self.synthesised.as_ref().map_or(&[][..], |(_, positions)| positions);
+        let predicted = predictions(hierarchy, level, positions, &self.levels[j].frames);
+        let (before, rest) = self.levels.split_at_mut(j);
+        let details = &mut rest[0];
+        details.residuals = vec![[0; 3]; details.known.len()];
+        let mut parts = finish::Parts {
+            coarse: hierarchy.layout(level),
+            fine: hierarchy.layout(Level(j as u8 + 1)),
+            known: &mut details.known,
+            residuals: &mut details.residuals,
+            parents: before.last().map_or(&[], |details| &details.residuals),
+            predicted: &predicted,
+            truth,
+            from: details.planes,
+        };
+        let stopped = finish(coder, &mut self.finishing, &mut parts).err();
+        details.cut = stopped.map(|first| (first, details.planes));
+        details.planes = [0; 2];
+        self.changed(Some(j));
         stopped.is_none()
     }
 
     /// A plane more of the base positions.
     fn base_block<C: Coder>(&mut self, coder: &mut C, to: u32, truth: &[Vector]) -> bool {
         let count = self.base_plane - to;
+        self.changed(None);
         for at in 0..self.base.len() {
             let truth = if C::WRITES { truth[at] } else { [0; 3] };
             let more = truth.map(|x| {
@@ -295,16 +344,6 @@ fn bound(details: &[Vector]) -> u32 {
     }
 }
 
-/// What a writer chose, or a reader was told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Choice {
-    /// Which of the candidates.
-    index: usize,
-    /// How many planes.
-    count: u32,
-    plain: bool,
-}
-
 impl State<'_> {
     /// Codes which step comes next, and takes it; whether all of it was there.
     fn step<C: Coder>(
@@ -321,13 +360,13 @@ impl State<'_> {
             index += 1;
         }
         let (step, plane) = candidates[index];
+        let finish = matches!(step, Step::Refine(..)) && coder.bit(&mut self.order.finish, chosen.finish);
         let mut count = 1;
-        if !matches!(step, Step::Begin(_)) {
+        if !finish && !matches!(step, Step::Begin(_)) {
             while count < plane && coder.bit(&mut self.order.more, chosen.count > count) {
                 count += 1;
             }
         }
-        let plain = matches!(step, Step::Refine(..)) && coder.bit(&mut self.order.plain, chosen.plain);
         if coder.is_exhausted() {
             return false;
         }
@@ -340,19 +379,13 @@ impl State<'_> {
             }
             Step::Refine(j, class) => {
                 let truth = if C::WRITES { truth.local[j].as_slice() } else { &[] };
-                self.block(coder, j, Block { class, from: plane, to, plain }, truth)
+                match finish {
+                    true => self.finish(coder, j, truth),
+                    false => self.block(coder, j, Block { class, from: plane, to }, truth),
+                }
             }
         }
     }
-}
-
-/// How a writer goes through the planes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::file) enum Granularity {
-    /// Plane by plane: the best model for every number of bytes.
-    Fine,
-    /// Large levels in two steps: read several times faster.
-    Coarse,
 }
 
 /// A place where a stream can be cut at no loss.
@@ -386,35 +419,25 @@ pub(in crate::file) fn encode_stream(
     state.beginning(&mut encoder, &truth);
     let mut errors = Errors::new(&state, &truth);
     let mut borders = vec![Border { position: encoder.position(), error: errors.total(hierarchy) }];
+    let noise = noise(details);
+    let mut finishing = granularity == Granularity::Coarse;
     loop {
         let candidates = state.candidates();
-        let Some(&(step, plane)) = candidates.first() else { break };
-        let choice = choose(&truth, granularity, step, plane);
+        let Some(&(first, plane)) = candidates.first() else { break };
+        finishing |= matches!(first, Step::Refine(j, _) if j + 1 == details.len() && plane <= noise);
+        let choice =
+            if finishing { coarsest(&candidates) } else { Choice { index: 0, count: 1, finish: false } };
+        let step = candidates[choice.index].0;
         state.step(&mut encoder, &candidates, choice, &mut truth);
         errors.renew(&state, &truth, step);
+        if choice.finish
+            && let Step::Refine(j, _) = step
+        {
+            errors.renew(&state, &truth, Step::Begin(j));
+        }
         borders.push(Border { position: encoder.position(), error: errors.total(hierarchy) });
     }
     Encoded { bytes: encoder.finish(), borders }
-}
-
-/// How many planes of the first candidate to write, and how.
-fn choose(truth: &Truth, granularity: Granularity, step: Step, plane: u32) -> Choice {
-    let one = Choice { index: 0, count: 1, plain: false };
-    let Step::Refine(j, class) = step else { return one };
-    let local = &truth.local[j];
-    let range = CLASSES[class].clone();
-    let sum: u64 = local.iter().flat_map(|v| &v[range.clone()]).map(|x| u64::from(x.unsigned_abs())).sum();
-    let mean = sum / (local.len() * range.len()).max(1) as u64;
-    // The mean magnitude has so many bits; three below it, a plane is noise.
-    let bits = 64 - mean.leading_zeros();
-    let noise = bits.saturating_sub(3);
-    let plain = plane <= noise;
-    match granularity {
-        Granularity::Coarse if local.len() > 1 << 13 => {
-            Choice { count: if plain { plane } else { plane - noise }, plain, ..one }
-        }
-        _ => Choice { plain, ..one },
-    }
 }
 
 /// What a stream, or the part of it that is there, holds.
@@ -425,6 +448,8 @@ pub(in crate::file) struct Decoded {
     pub(in crate::file) details: Vec<Vec<Vector>>,
     /// Whether every bit is known.
     pub(in crate::file) exact: bool,
+    /// Whether bytes follow those that are known then.
+    pub(in crate::file) surplus: bool,
 }
 
 /// Reads a stream as far as it goes. `None` if the base positions are not all there. `O(n_J)` for each plane.
@@ -446,12 +471,13 @@ pub(in crate::file) fn decode_stream(
             exact = true;
             break;
         }
-        if !state.step(&mut decoder, &candidates, Choice { index: 0, count: 0, plain: false }, &mut truth) {
+        if !state.step(&mut decoder, &candidates, Choice { index: 0, count: 0, finish: false }, &mut truth) {
             break;
         }
     }
     let details = (0..state.levels.len()).map(|j| state.details(j)).collect();
-    Some(Decoded { base: state.known_base(), details, exact })
+    let surplus = exact && decoder.position() < bytes.len();
+    Some(Decoded { base: state.known_base(), details, exact, surplus })
 }
 
 impl<'a> State<'a> {
@@ -464,6 +490,8 @@ impl<'a> State<'a> {
             base_cut: None,
             levels: (0..hierarchy.finest().0).map(|_| Details::default()).collect(),
             models: Models::default(),
+            finishing: finish::Models::default(),
+            synthesised: None,
             order: OrderModels::default(),
         }
     }

@@ -1,0 +1,57 @@
+//! `--bytes`, `--psnr` and `--keep`: as much of a surface as a size or a distance allows, as a wavelet file or a mesh.
+
+mod models;
+mod program;
+
+use models::ball_boz;
+use program::Workplace;
+
+#[test]
+fn a_wavelet_file_of_so_many_bytes() {
+    let work = Workplace::new();
+    ball_boz(&work);
+    let mut before = f64::INFINITY;
+    for bytes in ["400", "900", "2000"] {
+        work.succeeds(&["export", "ball.boz", "-o", "small.boz", "--bytes", bytes]);
+        let length = work.read("small.boz").len();
+        assert!(length <= bytes.parse().expect("a number"), "{length} of {bytes} bytes");
+        let info = work.json(&["info", "small.boz"]);
+        assert_eq!(info["complete"], true);
+        assert_eq!(info["bytes"], length);
+        let rms = work.json(&["compare", "ball.boz", "small.boz"])["rms"].as_f64().expect("a number");
+        assert!(rms < before, "{bytes} bytes: {rms} after {before}");
+        before = rms;
+    }
+    work.refuses(&["export", "ball.boz", "-o", "small.boz", "--bytes", "20"], &["ball.boz", "bytes"]);
+    work.refuses(&["export", "ball.boz", "-o", "small.boz", "--level", "1"], &["small.boz", "--level"]);
+    let both = work.run(&["export", "ball.boz", "-o", "small.boz", "--bytes", "900", "--psnr", "60"]);
+    assert_eq!(both.status, 2, "{}", both.stderr);
+}
+
+#[test]
+fn a_file_as_near_as_asked_for() {
+    let work = Workplace::new();
+    ball_boz(&work);
+    work.succeeds(&["export", "ball.boz", "-o", "near.boz", "--psnr", "50"]);
+    work.succeeds(&["export", "ball.boz", "-o", "near.obj", "--psnr", "50"]);
+    for near in ["near.boz", "near.obj"] {
+        let psnr = work.json(&["compare", "ball.boz", near])["psnr"].as_f64().expect("a number");
+        assert!((50.0..65.0).contains(&psnr), "{near}: {psnr} dB");
+    }
+    assert!(work.read("near.boz").len() < work.read("ball.boz").len() / 2);
+    work.succeeds(&["import", "ball.obj", "-o", "imported.boz", "--psnr", "50"]);
+    let psnr = work.json(&["compare", "ball.obj", "imported.boz"])["psnr"].as_f64().expect("a number");
+    assert!((50.0..65.0).contains(&psnr), "imported: {psnr} dB");
+}
+
+#[test]
+fn the_curve_falls_to_nothing() {
+    let work = Workplace::new();
+    ball_boz(&work);
+    let info = work.json(&["info", "ball.boz"]);
+    let curve = info["curve"].as_array().expect("points");
+    let errors: Vec<f64> = curve.iter().map(|p| p["error"].as_f64().expect("a number")).collect();
+    assert!(errors.len() > 3 && errors.last() == Some(&0.0), "{errors:?}");
+    assert!(errors.windows(2).all(|pair| pair[1] <= 1.1 * pair[0]), "{errors:?}");
+    assert!(work.run(&["info", "ball.boz"]).stdout.contains("curve"));
+}

@@ -1,0 +1,105 @@
+//! How many bytes of a wavelet file bring its surface how near to a mesh, and how fast files are written and read.
+//!
+//! * `rates convert MESH OUT.boz BASE_FACES LEVELS PRECISION WAVELET`: remeshes and writes; 0 levels takes the mesh's own connectivity.
+//! * `rates measure FILE.boz MESH [FOLDER]`: the smallest files at 55 to 80 dB, the surface of each written to the folder as a mesh.
+//! * `rates speed FILE.boz PRECISION`: bytes without loss at that precision, and vertices a second.
+
+use bozzetto_core::conversion::{ConversionOptions, Remesh, convert};
+use bozzetto_core::file::{Metadata, Model, Size, decode, encode, encode_smaller};
+use bozzetto_core::hierarchy::{Level, Slot};
+use bozzetto_core::io::{self, MeshFormat};
+use bozzetto_core::surface::{FormOptions, Surface};
+use bozzetto_core::wavelet::Wavelet;
+use std::path::Path;
+use std::time::Instant;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words[..] {
+        ["convert", mesh, out, faces, levels, precision, wavelet] => {
+            let number = |text: &str| text.parse::<usize>().expect("a number");
+            let wavelet = Wavelet::from_code(number(wavelet) as u8).expect("0 = lazy, 1 to 3 = 0- to 2-disc");
+            convert_to(mesh, out, number(faces), number(levels) as u8, number(precision) as u8, wavelet);
+        }
+        ["measure", file, mesh] => measure(file, mesh, None),
+        ["measure", file, mesh, folder] => measure(file, mesh, Some(folder)),
+        ["speed", file, precision] => speed(file, precision.parse().expect("bits")),
+        _ => eprintln!("rates convert|measure|speed …; see the top of core/examples/rates.rs"),
+    }
+}
+
+fn convert_to(mesh: &str, out: &str, faces: usize, levels: u8, precision: u8, wavelet: Wavelet) {
+    let mesh = io::read_mesh(Path::new(mesh)).expect("a readable mesh");
+    let start = Instant::now();
+    let options = match levels {
+        0 => ConversionOptions::default(),
+        _ => ConversionOptions {
+            remesh: Remesh::Always,
+            base_faces: Some(faces),
+            levels: Some(levels),
+            ..ConversionOptions::default()
+        },
+    };
+    let made = convert(&mesh, &options).expect("a conversion");
+    let form = FormOptions { precision, wavelet, ..FormOptions::default() };
+    let surface = Surface::from_positions(made.hierarchy, &made.positions, &form).expect("a surface");
+    let bytes = encode(&Model::new(surface, None, Metadata::default()));
+    std::fs::write(out, &bytes).expect("a writable path");
+    let distance = made.measured.and_then(|found| found.psnr).unwrap_or(f64::INFINITY);
+    println!("{out}: {} bytes, {distance:.2} dB, {:.1} s", bytes.len(), start.elapsed().as_secs_f64());
+}
+
+fn measure(file: &str, mesh: &str, folder: Option<&str>) {
+    let bytes = std::fs::read(file).expect("a readable file");
+    let mesh = io::read_mesh(Path::new(mesh)).expect("a readable mesh");
+    let model = decode(&bytes, Path::new(file)).expect("a wavelet file");
+    println!("{file}: {} bytes", bytes.len());
+    for wanted in [55, 60, 65, 70, 75, 80] {
+        let (bytes, smaller) = match encode_smaller(&model, Size::Psnr(f64::from(wanted), &mesh)) {
+            Ok(found) => found,
+            Err(error) => {
+                println!("  {wanted} dB: {error}");
+                break;
+            }
+        };
+        println!("  {wanted} dB: {} bytes", bytes.len());
+        if let Some(folder) = folder {
+            let mut text = Vec::new();
+            let surface = smaller.surface;
+            io::write_mesh(&surface.to_mesh(surface.finest()), MeshFormat::Obj, &mut text).expect("memory");
+            std::fs::write(Path::new(folder).join(format!("{wanted}.obj")), text).expect("a writable folder");
+        }
+    }
+}
+
+fn speed(file: &str, precision: u8) {
+    let bytes = std::fs::read(file).expect("a readable file");
+    let surface = decode(&bytes, Path::new(file)).expect("a wavelet file").surface;
+    let finest: Vec<[f64; 3]> = (0..surface.scaling(surface.finest()).len() as u32)
+        .map(|v| surface.position(surface.finest(), Slot(v)))
+        .collect();
+    let form = FormOptions { precision, wavelet: surface.form().wavelet, ..FormOptions::default() };
+    let surface =
+        Surface::from_positions(surface.hierarchy().as_ref().clone(), &finest, &form).expect("a surface");
+    let model = Model::new(surface, None, Metadata::default());
+    let vertices = finest.len() as f64;
+    let (mut written, mut write, mut read) = (Vec::new(), f64::INFINITY, f64::INFINITY);
+    for _ in 0..3 {
+        let start = Instant::now();
+        written = encode(&model);
+        write = write.min(start.elapsed().as_secs_f64());
+        let start = Instant::now();
+        let held = decode(&written, Path::new(file)).expect("what was written");
+        read = read.min(start.elapsed().as_secs_f64());
+        assert_eq!(held.surface.scaling(Level::BASE), model.surface.scaling(Level::BASE));
+        assert_eq!(held.surface.hash(), model.surface.hash());
+    }
+    println!(
+        "{file} at {precision} bits: {vertices} vertices, {} bytes, {:.2} bits a vertex; written {:.2} M/s, read {:.2} M/s",
+        written.len(),
+        8.0 * written.len() as f64 / vertices,
+        vertices / write / 1e6,
+        vertices / read / 1e6
+    );
+}

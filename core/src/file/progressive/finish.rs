@@ -1,0 +1,253 @@
+//! The last block of a level: every bit that is missing of it, told as what a smooth surface through `M^j` does not say.
+//!
+//! Based on: Dyn, Levin, Gregory, "A Butterfly Subdivision Scheme for Surface Interpolation with Tension Control", ACM
+//! Transactions on Graphics 9(2), 1990, for the prediction; Weinberger, Seroussi, Sapiro, "The LOCO-I Lossless Image
+//! Compression Algorithm", IEEE TIP 9(8), 2000, for correcting it by what was off beside it and for contexts from
+//! magnitudes of residuals.
+
+use super::frames::Frame;
+use super::range_coder::{Coder, Model};
+use super::visit::{Place, visit};
+use crate::hierarchy::{Hierarchy, Layout, Level, Odd, row_slots};
+use crate::surface::Vector;
+use rayon::prelude::*;
+
+/// Classes of what magnitude a residual is expected to have: half octaves.
+const EXPECTED: usize = 40;
+const LENGTHS: usize = 33;
+/// Where a prediction lies in the interval in which a component is known to be.
+const PLACES: usize = 6;
+
+/// The models of residuals. All levels share them.
+#[derive(Debug)]
+pub(super) struct Models {
+    length: Box<[[[Model; LENGTHS]; EXPECTED]; 2]>,
+    /// The bit below a magnitude's highest.
+    second: [[Model; LENGTHS]; 2],
+    /// The highest unknown bit of a component that is known not to be zero.
+    refined: [[Model; PLACES]; 2],
+}
+
+impl Default for Models {
+    fn default() -> Self {
+        // The sums are some sixteen times a magnitude.
+        let length = |expected: usize, length: usize| {
+            let likely = (expected / 2).saturating_sub(3);
+            let one = [8000, 20_000, 38_000, 54_000, 61_000][(likely + 2).saturating_sub(length).min(4)];
+            Model::new(one, 1)
+        };
+        let classes: [[Model; LENGTHS]; EXPECTED] =
+            std::array::from_fn(|e| std::array::from_fn(|l| length(e, l)));
+        Self {
+            length: Box::new([classes; 2]),
+            second: [[Model::new(28_000, 4); LENGTHS]; 2],
+            refined: [[8000, 16_000, 26_000, 36_000, 46_000, 50_000].map(|one| Model::new(one, 2)); 2],
+        }
+    }
+}
+
+/// What a finishing block reads and writes: components by slot of `M^{j+1}` where nothing else is said.
+pub(super) struct Parts<'a> {
+    pub(super) coarse: &'a Layout,
+    pub(super) fine: &'a Layout,
+    pub(super) known: &'a mut [Vector],
+    /// How far components are from their predictions; at first all zero.
+    pub(super) residuals: &'a mut [Vector],
+    /// Those of level j − 1, by slot of `M^j`; empty where that level is not finished.
+    pub(super) parents: &'a [Vector],
+    /// By odd vertex.
+    pub(super) predicted: &'a [Vector],
+    /// What components are in the end, by odd vertex; empty when reading.
+    pub(super) truth: &'a [Vector],
+    /// The plane of each class.
+    pub(super) from: [u32; 2],
+}
+
+/// Codes the block; or says which odd vertex is the first that is not all there.
+pub(super) fn finish<C: Coder>(coder: &mut C, models: &mut Models, level: &mut Parts) -> Result<(), u32> {
+    let (coarse, fine) = (level.coarse, level.fine);
+    visit(coarse, fine, |place| vertex(coder, models, level, place))
+}
+
+#[inline(always)]
+fn sizes(v: &Vector) -> [u64; 2] {
+    let [n, b, c] = v.map(|x| u64::from(x.unsigned_abs()));
+    [n, b + c]
+}
+
+#[inline(always)]
+fn vertex<C: Coder>(coder: &mut C, models: &mut Models, level: &mut Parts, place: Place) -> Result<(), u32> {
+    let truth = if C::WRITES { level.truth[place.odd as usize] } else { [0; 3] };
+    let predicted = level.predicted[place.odd as usize];
+    let (mut around, mut expected) = ([0i64; 3], sizes(&predicted).map(|x| 2 * x));
+    expected[1] *= 2;
+    for &slot in place.near {
+        let residual = &level.residuals[slot as usize];
+        let size = sizes(residual);
+        for c in 0..3 {
+            around[c] += i64::from(residual[c]);
+        }
+        for class in 0..2 {
+            expected[class] += 4 * size[class];
+        }
+    }
+    for slot in place.parents {
+        if let Some(residual) = level.parents.get(slot as usize) {
+            let size = sizes(residual);
+            for class in 0..2 {
+                expected[class] += size[class];
+            }
+        }
+    }
+    let mut value = level.known[place.slot as usize];
+    let mut residual = [0i32; 3];
+    for c in 0..3 {
+        let class = c.min(1);
+        let own = match c {
+            0 => 0,
+            1 => u64::from(residual[0].unsigned_abs()),
+            _ => u64::from(residual[0].unsigned_abs() >> 1) + u64::from(residual[1].unsigned_abs()),
+        };
+        let expected = if class == 0 { expected[0] } else { (expected[1] + 4 * own) >> 1 };
+        let at = predicted[c].wrapping_add(((5 * around[c]) >> 4) as i32);
+        let plane = level.from[class];
+        if plane > 0 {
+            value[c] = match value[c] {
+                0 => zero(coder, models, class, half_octave(expected), at, plane, truth[c]),
+                known => refined(coder, &mut models.refined[class], at, plane, known, truth[c]),
+            };
+        }
+        residual[c] = value[c].wrapping_sub(at);
+    }
+    if coder.is_exhausted() {
+        return Err(place.odd);
+    }
+    level.known[place.slot as usize] = value;
+    level.residuals[place.slot as usize] = residual;
+    Ok(())
+}
+
+/// The class of a sum: 0, 1, then two classes for each power of two.
+#[inline(always)]
+fn half_octave(sum: u64) -> usize {
+    if sum < 2 {
+        return sum as usize;
+    }
+    let bits = 64 - sum.leading_zeros() as usize;
+    (2 * bits - 2 + ((sum >> (bits - 2)) & 1) as usize).min(EXPECTED - 1)
+}
+
+/// A component of which all known bits are zero, by what its prediction is off.
+#[inline(always)]
+fn zero<C: Coder>(
+    coder: &mut C,
+    models: &mut Models,
+    class: usize,
+    expected: usize,
+    at: i32,
+    plane: u32,
+    truth: i32,
+) -> i32 {
+    let most = (1i32 << plane) - 1;
+    let at = at.clamp(-most, most);
+    let off = truth.wrapping_sub(at);
+    let size = off.unsigned_abs();
+    let bits = if C::WRITES { 32 - size.leading_zeros() } else { 0 };
+    let mut length = 0;
+    while length < 32 && coder.bit(&mut models.length[class][expected][length as usize], bits > length) {
+        length += 1;
+    }
+    if length == 0 {
+        return at;
+    }
+    let (mut left, mut below) = (length - 1, 0);
+    if left > 0 {
+        left -= 1;
+        let second = coder.bit(&mut models.second[class][length as usize], size >> left & 1 == 1);
+        below = u32::from(second) << left;
+    }
+    // The sign goes with the bits that are as likely 1 as 0.
+    let tail = coder.long_raw(left + 1, (size & ((1u64 << left) - 1) as u32) << 1 | u32::from(off < 0));
+    let size = 1 << (length - 1) | below | tail >> 1;
+    if tail & 1 == 1 { at.wrapping_sub(size as i32) } else { at.wrapping_add(size as i32) }
+}
+
+/// A component of which some bits are known.
+#[inline(always)]
+fn refined<C: Coder>(
+    coder: &mut C,
+    models: &mut [Model; PLACES],
+    at: i32,
+    plane: u32,
+    known: i32,
+    truth: i32,
+) -> i32 {
+    let along = if known < 0 { -i64::from(at) } else { i64::from(at) };
+    let size = known.unsigned_abs();
+    let place = ((4 * (along - i64::from(size))) >> plane).clamp(-1, 4) + 1;
+    let low = truth.unsigned_abs() & ((1u64 << plane) - 1) as u32;
+    let first = coder.bit(&mut models[place as usize], low >> (plane - 1) & 1 == 1);
+    let rest = coder.long_raw(plane - 1, low & ((1u64 << (plane - 1)) - 1) as u32);
+    let size = size | u32::from(first) << (plane - 1) | rest;
+    if known < 0 { (size as i32).wrapping_neg() } else { size as i32 }
+}
+
+/// What the butterfly scheme has at the odd vertices of a level, less the mean of their parents, in their frames.
+/// `O(n_j)`.
+///
+/// With `F` of an edge (u, w) between the faces (u, w, a) and (w, u, b) the sum `a + b − u − w`, and zero on a boundary,
+/// that is `−1/16` of the sum of `F` over the edges that form a face with the vertex's own.
+pub(super) fn predictions(
+    hierarchy: &Hierarchy,
+    level: Level,
+    positions: &[Vector],
+    frames: &[Frame],
+) -> Vec<Vector> {
+    let (coarse, fine) = (hierarchy.layout(level), hierarchy.layout(Level(level.0 + 1)));
+    let flaps = flaps(coarse, fine, positions);
+    let of_odd = |odd: u32| {
+        let mut sum = [0i64; 3];
+        fine.for_each_neighbour(coarse.odd_site(Odd(odd)), |site| {
+            let flap = &flaps[fine.slot(site).index()];
+            for c in 0..3 {
+                sum[c] += flap[c];
+            }
+        });
+        frames[odd as usize].turn(sum.map(|x| ((16 - x) >> 5) as i32))
+    };
+    (0..coarse.odd_len()).into_par_iter().with_min_len(1024).map(of_odd).collect()
+}
+
+/// Twice `F` by slot of `M^{j+1}`; zero at even vertices.
+fn flaps(coarse: &Layout, fine: &Layout, positions: &[Vector]) -> Vec<[i64; 3]> {
+    let mut flaps = vec![[0i64; 3]; fine.len() as usize];
+    let mut sides = vec![0u8; fine.len() as usize];
+    let n = coarse.segments();
+    let mut add = |corners: [u32; 3], middles: [u32; 3]| {
+        let p = corners.map(|slot| positions[slot as usize].map(i64::from));
+        let sum = [0, 1, 2].map(|c| p[0][c] + p[1][c] + p[2][c]);
+        for (k, middle) in middles.into_iter().enumerate() {
+            sides[middle as usize] += 1;
+            let (flap, apex) = (&mut flaps[middle as usize], p[(k + 2) % 3]);
+            for c in 0..3 {
+                flap[c] += 3 * apex[c] - sum[c];
+            }
+        }
+    };
+    let (mut rows, mut halves) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new(), Vec::new()]);
+    for face in 0..coarse.base().faces().len() as u32 {
+        for r in 0..n {
+            rows.iter_mut().zip(r..).for_each(|(row, r)| row_slots(coarse, face, r, row));
+            halves.iter_mut().zip(2 * r..).for_each(|(row, r)| row_slots(fine, face, r, row));
+            let ([a, b], [x, y, z]) = (&rows, &halves);
+            for i in 0..(n - r) as usize {
+                add([a[i], a[i + 1], b[i]], [x[2 * i + 1], y[2 * i + 1], y[2 * i]]);
+                if i + 1 < b.len() {
+                    add([a[i + 1], b[i + 1], b[i]], [y[2 * i + 2], z[2 * i + 1], y[2 * i + 1]]);
+                }
+            }
+        }
+    }
+    flaps.iter_mut().zip(sides).filter(|(_, sides)| *sides < 2).for_each(|(flap, _)| *flap = [0; 3]);
+    flaps
+}
