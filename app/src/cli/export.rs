@@ -40,6 +40,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<()> {
     let format = MeshFormat::from_path(&args.output);
     if is_wavelet_file(&args.output) {
+        output::check_apart(&args.output, &args.file)?;
         output::check_lone_wavelet_file(&args.output)?;
         if args.level.is_some() {
             bail!("{}: a wavelet file holds every level; leave --level out", args.output.display());

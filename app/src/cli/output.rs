@@ -46,6 +46,19 @@ pub(super) fn check_lone_wavelet_file(path: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Refuses an output that is the input, of which less would be left.
+///
+/// # Errors
+/// They are the same file.
+pub(super) fn check_apart(output: &Path, input: &Path) -> Result<()> {
+    match (output.canonicalize(), input.canonicalize()) {
+        (Ok(a), Ok(b)) if a == b => {
+            bail!("{}: this is the file to be exported; choose another name", output.display())
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Replaces a file in one step.
 ///
 /// # Errors
