@@ -1,5 +1,5 @@
-//! Converts a mesh and says how well it went: `convert MODEL BASE_FACES LEVELS OUT.obj SHARP_ANGLE` (0 = by default, the
-//! last two optional).
+//! Converts a mesh and says how well it went: `convert MODEL BASE_FACES LEVELS OUT.obj SHARP_ANGLE TOLERANCE` (0 = by
+//! default, the last two optional; an angle of - is the default one).
 
 use bozzetto_core::conversion::remesh::{Phase, RemeshOptions, remesh};
 use bozzetto_core::hierarchy::Level;
@@ -20,6 +20,7 @@ fn main() {
         base_faces: number(1),
         levels: number(2).map(|n| n as u8),
         sharp_angle: arguments.get(4).and_then(|a| a.parse().ok()),
+        tolerance: arguments.get(5).and_then(|a| a.parse().ok()),
         ..RemeshOptions::default()
     };
     let phases: RefCell<Vec<(Phase, Instant)>> = RefCell::new(Vec::new());
