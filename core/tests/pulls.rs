@@ -4,16 +4,21 @@ mod memory_disk;
 mod samples;
 
 use bozzetto_core::edit::{Edit, EditError, Falloff, Kind, Mirror, Move, Pull, Spread, Step, plan};
-use bozzetto_core::file::{Metadata, Model, encode};
+use bozzetto_core::file::encode;
 use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level, PublicId, Slot};
 use bozzetto_core::mesh::{TriangleMesh, shapes};
 use bozzetto_core::session::{OpenOptions, Session};
 use bozzetto_core::surface::{FormOptions, Surface};
 use bozzetto_core::wavelet::Wavelet;
-use memory_disk::MemoryDisk;
-use samples::{Numbers, assert_consistent, contents, model, surface};
+use memory_disk::{MemoryDisk, session_of};
+use samples::{Numbers, assert_consistent, ball_of_radius, contents, model, surface};
 use std::path::Path;
 use std::sync::Arc;
+
+/// A ball without bumps.
+fn round(levels: u8) -> Surface {
+    ball_of_radius(levels, |_| 1.0)
+}
 
 fn pull(level: u8, vertex: u32, delta: [f64; 3]) -> Pull {
     Pull {
@@ -154,28 +159,6 @@ fn a_raw_pull_without_follow_is_the_papers_move_to_the_bit() {
     }
 }
 
-/// An octahedron's ball at a level.
-fn ball(levels: u8) -> Surface {
-    let mesh = shapes::octahedron();
-    let base = Arc::new(BaseMesh::new(6, mesh.faces.clone(), &[]).expect("a base mesh"));
-    let hierarchy = Hierarchy::new(base, Level(levels)).expect("small");
-    let layout = hierarchy.layout(Level(levels));
-    let positions: Vec<[f64; 3]> = (0..layout.len())
-        .map(|slot| {
-            let (face, b) = layout.chart(layout.site(Slot(slot)));
-            let corners = hierarchy.base().faces()[face as usize].map(|v| mesh.positions[v as usize]);
-            let p: [f64; 3] = std::array::from_fn(|c| (0..3).map(|k| f64::from(b[k]) * corners[k][c]).sum());
-            let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
-            p.map(|x| x / length)
-        })
-        .collect();
-    Surface::from_positions(hierarchy, &positions, &FormOptions::default()).expect("a ball")
-}
-
-fn session_of(surface: Surface) -> Session {
-    Session::new(Arc::new(MemoryDisk::default()), Model::new(surface, None, Metadata::default()))
-}
-
 /// The sharpest angle between neighbouring faces, in degrees.
 fn sharpest(surface: &Surface) -> f64 {
     let mesh = surface.to_mesh(surface.finest());
@@ -206,7 +189,7 @@ fn sharpest(surface: &Surface) -> f64 {
 fn a_smooth_pull_moves_its_vertex_as_asked_and_makes_no_tent() {
     for level in [0, 1, 2] {
         let angle = |spread| {
-            let mut session = session_of(ball(6));
+            let mut session = session_of(round(6));
             let before = session.surface().clone();
             let delta = [0.0, 0.0, 0.06];
             session.edit(Edit::Pull(Pull { spread, ..pull(level, 4, delta) })).expect("a sensible pull");
@@ -229,7 +212,7 @@ fn a_smooth_pull_moves_its_vertex_as_asked_and_makes_no_tent() {
 #[test]
 fn a_grabbed_place_goes_where_the_hand_goes() {
     for (level, radius) in [(6, 0.3), (3, 0.3), (1, 0.05)] {
-        let mut session = session_of(ball(6));
+        let mut session = session_of(round(6));
         let at = [0.31, 0.42, 0.853];
         let address = |surface: &Surface| {
             let p = &surface.form().placement;
@@ -260,7 +243,7 @@ fn a_grabbed_place_goes_where_the_hand_goes() {
 #[test]
 fn mirrored_pulls_are_mirrored_and_raw_ones_say_when_they_have_no_partner() {
     let plane = Mirror { x: Some(0.0), y: None, z: None };
-    let mut session = session_of(ball(4));
+    let mut session = session_of(round(4));
     let layout_len = session.surface().hierarchy().layout(Level(2)).len();
     for vertex in [7, 19, layout_len - 1] {
         session
@@ -276,7 +259,7 @@ fn mirrored_pulls_are_mirrored_and_raw_ones_say_when_they_have_no_partner() {
         assert!(near.squared_distance.sqrt() * placement.step < 1e-3, "{p:?} has no image");
     }
     // Half a spacing off, there is no partner for a single coefficient.
-    let mut session = session_of(ball(4));
+    let mut session = session_of(round(4));
     let p = session.surface().position(Level(4), Slot(0));
     let raw = Pull { spread: Spread::Hat, ..pull(0, 0, [0.0, 0.1, 0.0]) };
     let off = Mirror { x: None, y: Some(p[1] + 0.4), z: None };
@@ -423,7 +406,7 @@ fn relief_keeps_its_height_and_angle_when_the_form_bends() {
 
 #[test]
 fn pulls_without_sense_are_refused_and_change_nothing() {
-    let mut session = session_of(ball(3));
+    let mut session = session_of(round(3));
     let hash = session.hash();
     let good = pull(1, 3, [0.1, 0.0, 0.0]);
     let bad = [

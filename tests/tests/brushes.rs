@@ -11,7 +11,7 @@ use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
-use window::{can_draw, editor, hash, settle};
+use window::{assert_replays, can_draw, editor, hash, settle};
 
 /// The middle of the picture, where the sample's face is.
 fn middle(harness: &Harness<'_, Editor>) -> Pos2 {
@@ -65,19 +65,6 @@ fn last_stroke(harness: &Harness<'_, Editor>) -> Stroke {
         Edit::Stroke(stroke) => stroke,
         other => panic!("{other}"),
     }
-}
-
-/// The log of what was done here plays the same bits on a fresh surface.
-fn assert_replays(harness: &Harness<'_, Editor>) {
-    let session = &harness.state().document().expect("open").session;
-    let steps: Vec<Edit> = session.history().take(session.steps()).collect();
-    let Start::Session(mut fresh) = Start::sample().expect("the sample opens") else { panic!("a session") };
-    for edit in steps {
-        let text = serde_json::to_string(&edit).expect("plain data");
-        fresh.edit(serde_json::from_str(&text).expect("its own text")).expect("it was accepted before");
-    }
-    assert_eq!(fresh.hash(), session.hash(), "a script gives the same bits");
-    assert_eq!(fresh.surface().mask().values(), session.surface().mask().values());
 }
 
 #[test]

@@ -4,12 +4,11 @@
 mod window;
 
 use bozzetto::editor::{Editor, Start};
-use bozzetto_core::edit::Edit;
 use bozzetto_core::hierarchy::Level;
 use eframe::egui::{self, Event, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use window::{can_draw, editor, hash, settle};
+use window::{assert_replays, can_draw, editor, hash, settle};
 
 fn press(harness: &mut Harness<'_, Editor>, pos: Pos2, pressed: bool) {
     let button = PointerButton::Primary;
@@ -42,18 +41,6 @@ fn differing(harness: &Harness<'_, Editor>, a: &image::RgbaImage, b: &image::Rgb
     a.enumerate_pixels()
         .filter(|(x, y, p)| picture.contains(egui::pos2(*x as f32, *y as f32)) && b.get_pixel(*x, *y) != *p)
         .count()
-}
-
-fn assert_replays(harness: &Harness<'_, Editor>) {
-    let session = &harness.state().document().expect("open").session;
-    let steps: Vec<Edit> = session.history().take(session.steps()).collect();
-    let Start::Session(mut fresh) = Start::sample().expect("the sample opens") else { panic!("a session") };
-    for edit in steps {
-        let text = serde_json::to_string(&edit).expect("plain data");
-        fresh.edit(serde_json::from_str(&text).expect("its own text")).expect("it was accepted before");
-    }
-    assert_eq!(fresh.hash(), session.hash(), "a script gives the same bits");
-    assert_eq!(fresh.surface().mask(), session.surface().mask());
 }
 
 fn slider(harness: &Harness<'_, Editor>, level: u8) -> Rect {

@@ -3,6 +3,9 @@
 #![allow(dead_code, reason = "every test program uses its own part of this")]
 
 use bozzetto_core::disk::{Appender, Lock, Vfs};
+use bozzetto_core::file::{Metadata, Model};
+use bozzetto_core::session::Session;
+use bozzetto_core::surface::Surface;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -131,4 +134,9 @@ impl Vfs for MemoryDisk {
     fn exists(&self, path: &Path) -> bool {
         self.state().files.contains_key(path)
     }
+}
+
+/// A session over a surface, on a disk of its own.
+pub(crate) fn session_of(surface: Surface) -> Session {
+    Session::new(Arc::new(MemoryDisk::default()), Model::new(surface, None, Metadata::default()))
 }

@@ -3,7 +3,7 @@
 
 #![allow(dead_code, reason = "every test program uses its own part of this")]
 
-use bozzetto_core::edit::{Edit, Falloff, Gain, Kind, Move};
+use bozzetto_core::edit::{Edit, Falloff, Gain, Kind, Move, Stroke, Tool};
 use bozzetto_core::file::{Metadata, Model};
 use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level, Slot};
 use bozzetto_core::mesh::{TriangleMesh, shapes};
@@ -67,6 +67,11 @@ pub(crate) fn surface(mesh: &TriangleMesh, wavelet: Wavelet, sharp: usize, fines
 
 /// A ball with bumps, its poles on the y axis, mirrored to itself by every axis plane.
 pub(crate) fn ball(levels: u8) -> Surface {
+    ball_of_radius(levels, |[x, _, z]| 1.0 + 0.02 * (40.0 * x.abs()).sin() * (40.0 * z.abs()).sin())
+}
+
+/// A ball over an octahedron whose radius is a function of the direction.
+pub(crate) fn ball_of_radius(levels: u8, radius: impl Fn([f64; 3]) -> f64) -> Surface {
     let mesh = shapes::octahedron();
     let base = Arc::new(BaseMesh::new(6, mesh.faces.clone(), &[]).expect("a base mesh"));
     let hierarchy = Hierarchy::new(base, Level(levels)).expect("small");
@@ -77,8 +82,8 @@ pub(crate) fn ball(levels: u8) -> Surface {
             let corners = hierarchy.base().faces()[face as usize].map(|v| mesh.positions[v as usize]);
             let p: [f64; 3] = std::array::from_fn(|c| (0..3).map(|k| f64::from(b[k]) * corners[k][c]).sum());
             let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let bump = 1.0 + 0.02 * (40.0 * p[0].abs() / length).sin() * (40.0 * p[2].abs() / length).sin();
-            p.map(|x| x / length * bump)
+            let radius = radius(p.map(|x| x / length));
+            p.map(|x| x / length * radius)
         })
         .collect();
     Surface::from_positions(hierarchy, &positions, &FormOptions::default()).expect("a ball")
@@ -136,4 +141,20 @@ pub(crate) fn draw_move(numbers: &mut Numbers, surface: &Surface) -> Move {
 /// Runs the same work on so many threads.
 pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool").install(work)
+}
+
+/// A stroke without dabs.
+pub(crate) fn stroke(tool: Tool, level: u8, radius: f64) -> Stroke {
+    Stroke {
+        tool,
+        level,
+        radius,
+        strength: 0.5,
+        falloff: None,
+        mirror: None,
+        to: None,
+        from: Some([0.3, 0.1, -0.2]),
+        dabs: Vec::new(),
+        v: 1,
+    }
 }

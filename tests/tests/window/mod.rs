@@ -5,6 +5,7 @@
 
 use bozzetto::editor::{Editor, FileChooser, Purpose, Start};
 use bozzetto::render::{Gpu, GpuError, Samples};
+use bozzetto_core::edit::Edit;
 use bozzetto_core::surface::SurfaceHash;
 use eframe::egui;
 use egui_kittest::Harness;
@@ -65,4 +66,17 @@ pub fn settle(harness: &mut Harness<'_, Editor>) {
 /// The hash of the open surface.
 pub fn hash(harness: &Harness<'_, Editor>) -> SurfaceHash {
     harness.state().document().expect("a surface is open").session.hash()
+}
+
+/// The log of what was done here plays the same bits on a fresh surface.
+pub fn assert_replays(harness: &Harness<'_, Editor>) {
+    let session = &harness.state().document().expect("open").session;
+    let steps: Vec<Edit> = session.history().take(session.steps()).collect();
+    let Start::Session(mut fresh) = Start::sample().expect("the sample opens") else { panic!("a session") };
+    for edit in steps {
+        let text = serde_json::to_string(&edit).expect("plain data");
+        fresh.edit(serde_json::from_str(&text).expect("its own text")).expect("it was accepted before");
+    }
+    assert_eq!(fresh.hash(), session.hash(), "a script gives the same bits");
+    assert_eq!(fresh.surface().mask().values(), session.surface().mask().values());
 }
