@@ -57,6 +57,11 @@ const PASSES: [Pass; 4] = [
     Pass { by: Steps::Smooth, rings: 1, steps: 12, starts: 2, smoothing: 1.0 },
 ];
 
+/// What all passes may cost: faces looked at, for each face of the whole and for the whole. Where hundreds of folds cannot
+/// be undone, parts grow over most of the surface and mending would take many times as long as the fit.
+const LOOKS_PER_FACE: usize = 2;
+const LOOKS: usize = 200_000;
+
 /// A part this many times the root mean square bad is left alone.
 const DONE: f64 = 14.0;
 /// A part is mended enough when its score is this many times the root mean square.
@@ -83,31 +88,43 @@ impl Mending<'_> {
         progress: &dyn Fn(f32) -> bool,
     ) -> Result<Vec<DVec3>, Cancelled> {
         let mut bad = self.bad(&positions, &pulls);
+        let mut looks = LOOKS + LOOKS_PER_FACE * self.fitted.pattern.faces().len();
         for (k, pass) in PASSES.iter().enumerate() {
             let done = |part: f32| progress((k as f32 + part) / PASSES.len() as f32);
-            bad = self.pass(pass, &mut positions, &pulls, &bad, &done)?;
+            // Half of what is left, but the last may have it all.
+            let share = if k + 1 == PASSES.len() { looks } else { looks / 2 };
+            let used;
+            (bad, used) = self.pass(pass, &mut positions, &pulls, &bad, share, &done)?;
+            looks -= used;
         }
         Ok(positions)
     }
 
-    /// Mends what lies around `bad` faces; returns those of them where that was not enough.
+    /// Mends what lies around `bad` faces, the smallest parts first, as long as no more than so many faces are looked at;
+    /// returns the faces where that was not enough, and how many looks it took at most.
     fn pass(
         &self,
         pass: &Pass,
         positions: &mut [DVec3],
         pulls: &Pulls,
         bad: &[u32],
+        looks: usize,
         progress: &dyn Fn(f32) -> bool,
-    ) -> Result<Vec<u32>, Cancelled> {
+    ) -> Result<(Vec<u32>, usize), Cancelled> {
         let patch = Patch::around(self, pulls, bad, pass.rings);
         if patch.own == 0 {
-            return Ok(Vec::new());
+            return Ok((Vec::new(), 0));
         }
+        let (chosen, used) = patch.smallest_parts(looks / (pass.starts * (pass.steps + 1)));
+        let used = used * pass.starts * (pass.steps + 1);
         let mut tree = None;
         let mut best: Vec<DVec3> = patch.vertices.iter().map(|&v| positions[v as usize]).collect();
         let mut least = vec![f64::INFINITY; patch.parts];
         let starts = &[&positions[..], self.places][..pass.starts];
-        let mut worst = vec![false; patch.own];
+        // What is not tried now stays bad.
+        let is_bad = |f: u32| bad.binary_search(&f).is_ok();
+        let mut worst: Vec<bool> =
+            (0..patch.own).map(|f| !chosen[patch.face_part[f] as usize] && is_bad(patch.faces[f])).collect();
         let steps = starts.len() * (pass.steps + 1);
         for (k, start) in starts.iter().enumerate() {
             let mut at: Vec<DVec3> = (0..patch.vertices.len())
@@ -119,7 +136,8 @@ impl Mending<'_> {
                 if !go_on() {
                     return Err(Cancelled);
                 }
-                let active: Vec<bool> = least.iter().map(|l| *l > DONE * pulls.rms).collect();
+                let active: Vec<bool> =
+                    least.iter().zip(&chosen).map(|(l, chosen)| *chosen && *l > DONE * pulls.rms).collect();
                 if !active.contains(&true) {
                     break;
                 }
@@ -158,7 +176,7 @@ impl Mending<'_> {
         for (v, &at) in patch.vertices.iter().zip(&best) {
             positions[*v as usize] = at;
         }
-        Ok((0..patch.own).filter(|&f| worst[f]).map(|f| patch.faces[f]).collect())
+        Ok(((0..patch.own).filter(|&f| worst[f]).map(|f| patch.faces[f]).collect(), used))
     }
 
     /// Faces that are turned over, slivers, and those where the surfaces are far apart.

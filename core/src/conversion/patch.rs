@@ -160,6 +160,23 @@ impl Patch {
         Self { vertices, free, part, parts, fitted, own, sheets, samples, faces: list, face_part }
     }
 
+    /// Which of the parts have at most so many faces together, taken by their size; and how many these have.
+    pub(super) fn smallest_parts(&self, most_faces: usize) -> (Vec<bool>, usize) {
+        let mut sizes = vec![0; self.parts];
+        self.face_part.iter().for_each(|&part| sizes[part as usize] += 1);
+        let mut by_size: Vec<usize> = (0..self.parts).collect();
+        by_size.sort_by_key(|&part| (sizes[part], part));
+        let (mut chosen, mut faces) = (vec![false; self.parts], 0);
+        for part in by_size {
+            if faces + sizes[part] > most_faces {
+                break;
+            }
+            chosen[part] = true;
+            faces += sizes[part];
+        }
+        (chosen, faces)
+    }
+
     fn corners(&self, face: usize, at: &[DVec3]) -> [DVec3; 3] {
         self.fitted.pattern.faces()[face].map(|v| at[v as usize])
     }

@@ -12,7 +12,7 @@ use super::lay_out::{Input, NoLattice, lay_out};
 use super::mend::Mending;
 use super::parameterise::Parameterisation;
 use super::simplify::{Cancelled, simplify};
-use super::size::{Size, affordable};
+use super::size::{Attempts, Size, affordable};
 use super::target::Target;
 use super::thin::thin;
 use super::walk::Ground;
@@ -124,6 +124,7 @@ pub fn remesh(
     let prepared = Prepared::new(frame.into_unit(&input), cleaned.connectivity, progress)?;
     let mut best: Option<Remeshed> = None;
     let mut next = Some(Size::first(input.faces.len(), options));
+    let mut attempts = Attempts::new();
     let mut gently = false;
     let mut target = None;
     while let Some(size) = next {
@@ -141,7 +142,7 @@ pub fn remesh(
         let rules = CompareOptions { samples, ..CompareOptions::default() };
         let measured = compare(&input, &result, &rules, &|done| progress(Phase::Measure, done))?;
         let size = Size { base_faces: size.base_faces, levels: made.hierarchy.finest().0 };
-        next = options.tolerance.and_then(|tolerance| size.next(measured.max / tolerance, &input, options));
+        next = attempts.next(size, measured.max, &input, options);
         if measured.max > POOR && !gently {
             // A thin horn may have been left behind: once more another way before there are more faces.
             gently = true;

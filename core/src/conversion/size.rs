@@ -5,6 +5,9 @@ use crate::mesh::TriangleMesh;
 
 /// Faces of the finest level by default, for each face of the input.
 const FINENESS: f64 = 2.5;
+/// The same for small inputs, that have few faces where they bend, up to so many faces of the finest level.
+const FINENESS_OF_SMALL: f64 = 3.6;
+const SMALL: f64 = 72_000.0;
 /// Faces of the finest level by default at most: a conversion takes time in proportion to them.
 const MOST_FINEST: f64 = 200_000.0;
 /// Levels by default.
@@ -38,7 +41,9 @@ pub(super) struct Size {
 impl Size {
     /// From the options and the faces of the input.
     pub(super) fn first(input_faces: usize, options: &RemeshOptions) -> Self {
-        let finest = (input_faces as f64 * FINENESS).min(MOST_FINEST);
+        let faces = input_faces as f64;
+        let small = (faces * FINENESS_OF_SMALL).min(SMALL);
+        let finest = (faces * FINENESS).max(small).min(MOST_FINEST);
         let levels = options.levels.unwrap_or_else(|| {
             let per_face = finest / options.base_faces.unwrap_or(FEWEST_BASE_FACES) as f64;
             (0..=LEVELS).rev().find(|&j| finer(j) <= per_face).unwrap_or(0).max(1)
@@ -49,7 +54,7 @@ impl Size {
 
     /// The next attempt after one whose greatest distance was `excess` times the tolerance; `None` if it was met, if
     /// the options leave nothing to change, or if it would be too large.
-    pub(super) fn next(self, excess: f64, input: &TriangleMesh, options: &RemeshOptions) -> Option<Self> {
+    fn next(self, excess: f64, input: &TriangleMesh, options: &RemeshOptions) -> Option<Self> {
         if excess <= 1.0 {
             return None;
         }
@@ -73,6 +78,40 @@ impl Size {
     }
 }
 
+/// Faces of attempts in a row that hardly come closer than the best before, after which no more are made: what is left
+/// is a place that more faces do not mend.
+const MOST_STALLED: f64 = 600_000.0;
+/// An attempt comes closer if its greatest distance is below this part of the least before.
+const CLOSER: f64 = 0.9;
+
+/// The attempts at a tolerance.
+#[derive(Debug)]
+pub(super) struct Attempts {
+    least: f64,
+    /// Faces of the attempts since one came closer.
+    stalled: f64,
+}
+
+impl Attempts {
+    pub(super) fn new() -> Self {
+        Self { least: f64::INFINITY, stalled: 0.0 }
+    }
+
+    /// The next after one of this size and greatest distance; see [`Size::next`].
+    pub(super) fn next(
+        &mut self,
+        size: Size,
+        greatest: f64,
+        input: &TriangleMesh,
+        options: &RemeshOptions,
+    ) -> Option<Size> {
+        let tolerance = options.tolerance?;
+        self.stalled = if greatest < CLOSER * self.least { 0.0 } else { self.stalled + size.finest() };
+        self.least = self.least.min(greatest);
+        (self.stalled < MOST_STALLED).then(|| size.next(greatest / tolerance, input, options))?
+    }
+}
+
 /// So many levels, or fewer if the base mesh has far more faces than were aimed at, as where components are many.
 pub(super) fn affordable(levels: u8, base_faces: usize, input_faces: usize) -> u8 {
     let most = FINENESS * MOST_EXCESS * input_faces as f64 / base_faces as f64;
@@ -82,4 +121,46 @@ pub(super) fn affordable(levels: u8, base_faces: usize, input_faces: usize) -> u
 /// Faces of a level for each base face.
 fn finer(level: u8) -> f64 {
     f64::from(4u32.pow(level.min(15).into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::{octahedron, subdivide};
+
+    #[test]
+    fn attempts_end_when_more_faces_bring_nothing() {
+        let input = subdivide(&octahedron(), 6);
+        let options = RemeshOptions { tolerance: Some(1e-3), ..RemeshOptions::default() };
+        let first = Size::first(input.faces.len(), &options);
+        let sizes = |greatest: &[f64]| {
+            let mut attempts = Attempts::new();
+            let mut size = Some(first);
+            greatest
+                .iter()
+                .map(|&g| {
+                    size = attempts.next(size?, g, &input, &options);
+                    size
+                })
+                .collect::<Vec<_>>()
+        };
+        let falling = sizes(&[1.5e-3, 1.3e-3, 1.15e-3, 0.9e-3]);
+        assert!(falling[..3].iter().all(Option::is_some), "{falling:?}");
+        assert_eq!(falling[3], None, "the tolerance is met");
+        let stuck = sizes(&[1.3e-3, 1.25e-3, 1.2e-3, 1.18e-3]);
+        assert!(stuck[2].is_some() && stuck[3].is_none(), "{stuck:?}");
+        let late = sizes(&[1.3e-3, 1.25e-3, 1.1e-3, 1.05e-3]);
+        assert!(late[3].is_some(), "an attempt that comes closer starts the count anew: {late:?}");
+    }
+
+    #[test]
+    fn small_inputs_are_made_finer_but_below_four_times_their_size() {
+        let options = RemeshOptions::default();
+        for faces in [300usize, 2_000, 9_000, 20_000, 40_000, 120_000] {
+            let size = Size::first(faces, &options);
+            let times = size.finest() / faces as f64;
+            assert!(times <= 3.7, "{faces} faces: {times}");
+            assert!(times >= if faces <= 20_000 { 3.3 } else { 1.6 }, "{faces} faces: {times}");
+        }
+    }
 }

@@ -71,3 +71,34 @@ fn sheets_of_a_thin_plate_stay_apart() {
         assert!(place.z.abs() < 1e-3 || place.z * at.z > 0.0, "{place} is at {at}");
     }
 }
+
+/// The smallest parts are chosen while the faces they have together are allowed.
+#[test]
+fn the_smallest_places_are_mended_first() {
+    let coarse = ellipsoid(4, 1.0);
+    let input = ellipsoid(5, 1.0);
+    let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
+    let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
+    let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
+    let mending = Mending { target: &target, fitted: &fitted, sheets: &places, places: &places };
+    let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
+        panic!("nobody asked to stop")
+    };
+    let at = |direction: DVec3, times: usize| {
+        let mut near: Vec<u32> = (0..coarse.faces.len() as u32).collect();
+        let middle = |f: u32| coarse.faces[f as usize].iter().map(|&v| places[v as usize]).sum::<DVec3>();
+        near.sort_by(|&f, &g| middle(g).dot(direction).total_cmp(&middle(f).dot(direction)));
+        near.truncate(times);
+        near
+    };
+    let mut bad = [at(DVec3::Z, 1), at(-DVec3::Z, 60)].concat();
+    bad.sort_unstable();
+    let patch = Patch::around(&mending, &pulls, &bad, 1);
+    assert_eq!(patch.parts, 2);
+    let (all, faces) = patch.smallest_parts(usize::MAX);
+    assert_eq!((all, faces), (vec![true; 2], patch.own));
+    let (chosen, few) = patch.smallest_parts(patch.own - 1);
+    let north = patch.face_part[patch.faces.iter().position(|f| at(DVec3::Z, 1).contains(f)).expect("there")];
+    assert!(chosen[north as usize] && !chosen[1 - north as usize] && few < faces / 2, "{chosen:?} {few}");
+    assert_eq!(patch.smallest_parts(0), (vec![false; 2], 0));
+}
