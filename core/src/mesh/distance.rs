@@ -3,12 +3,14 @@
 //! Both directions are measured, since the distance from A to B says nothing of parts that only B has
 //! (Cignoni, Rocchini, Scopigno 1998, *Metro*): each surface is sampled evenly by area, and the exact
 //! closest point of the other is found for every sample; for the maximum, every vertex that a face uses
-//! is measured as well.
+//! is measured as well, and faces with points that are far are searched (see [`peaks`]).
 //!
 //! Guarantees: distances to the other surface are exact to rounding; the result is the same to the last
 //! bit for any number of threads (fixed chunks, reduced in order) and on every platform (`+ − × ÷ sqrt`).
-//! Non-guarantees: mean and rms carry sampling noise, and the maximum may miss a peak inside a face,
-//! where neither a sample nor a vertex lies.
+//! Non-guarantees: mean and rms carry sampling noise, and the maximum may miss a peak inside a face
+//! of which no sample and no vertex is far.
+
+mod peaks;
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -17,12 +19,15 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use self::peaks::{Found, MOST_QUERIES, PROMISING, peak_of_face, promising_faces};
 use super::bounding_volumes::BoundingVolumes;
 use super::sampling::AreaSampler;
 use super::triangle_mesh::TriangleMesh;
 
 /// Points measured one after another by one thread; each query starts from the answer before it.
 const CHUNK: usize = 1024;
+/// Faces searched one after another by one thread.
+const FACES: usize = 8;
 /// Chunks handed out between two calls of the progress function: some hundredths of a second of work.
 const CHUNKS_PER_STEP: usize = 16;
 
@@ -57,7 +62,7 @@ pub struct OneWay {
     pub mean: f64,
     /// The root of the mean square over the samples.
     pub rms: f64,
-    /// The greatest over the samples and the vertices that faces use.
+    /// The greatest over the samples, the vertices that faces use, and the faces that were searched.
     pub max: f64,
 }
 
@@ -102,7 +107,7 @@ pub enum CompareError {
 ///
 /// `progress` is called from the calling thread, with a fraction from 0 to 1, some dozens of times a second;
 /// when it returns `false` the comparison ends with [`CompareError::Cancelled`].
-/// Cost: O((samples + vertices) log faces), spread over rayon's current pool.
+/// Cost: O((samples + vertices) log faces + faces), spread over rayon's current pool.
 ///
 /// Panics if a face refers to a vertex that does not exist.
 pub fn compare(
@@ -150,11 +155,13 @@ fn used_vertices(mesh: &TriangleMesh) -> Vec<u32> {
 }
 
 /// What the points of a chunk, or of many, add up to; distances in model units.
-#[derive(Clone, Copy, Default)]
+#[derive(Default)]
 struct Tally {
     sum: f64,
     sum_of_squares: f64,
     max: f64,
+    /// The points that are far, and some more.
+    far: Vec<Found>,
 }
 
 impl Tally {
@@ -162,18 +169,25 @@ impl Tally {
         self.sum += other.sum;
         self.sum_of_squares += other.sum_of_squares;
         self.max = self.max.max(other.max);
+        let least = PROMISING * self.max;
+        self.far.extend(other.far.into_iter().filter(|found| found.distance >= least));
     }
 }
 
-/// Measures points one after another, each from the answer before it.
-fn tally(target: &BoundingVolumes, rounding: f64, points: impl Iterator<Item = DVec3>) -> Tally {
+/// Measures points one after another, each from the answer before it; with each its face's or its own index.
+fn tally(target: &BoundingVolumes, rounding: f64, points: impl Iterator<Item = (DVec3, u32)>) -> Tally {
     let mut cursor = target.cursor();
     let mut tally = Tally::default();
-    for point in points {
+    for (point, index) in points {
         let squared = cursor.closest(point.to_array()).squared_distance;
         let distance = squared.sqrt();
         if distance > rounding {
-            tally.add(Tally { sum: distance, sum_of_squares: squared, max: distance });
+            tally.sum += distance;
+            tally.sum_of_squares += squared;
+            tally.max = tally.max.max(distance);
+            if distance >= PROMISING * tally.max {
+                tally.far.push(Found { distance, index });
+            }
         }
     }
     tally
@@ -202,18 +216,27 @@ impl Meter<'_> {
         let rounding = self.rounding;
         let sampler = AreaSampler::new(source, self.samples as u64, seed);
         let at_samples = self.in_chunks(self.samples, |numbers| {
-            tally(target, rounding, sampler.points(numbers.start as u64..numbers.end as u64))
+            let points = sampler.points_and_faces(numbers.start as u64..numbers.end as u64);
+            tally(target, rounding, points.map(|(point, face)| (point, face.0)))
         })?;
         let used = used_vertices(source);
         let at_vertices = self.in_chunks(used.len(), |numbers| {
             let vertices = used[numbers].iter();
-            tally(target, rounding, vertices.map(|&vertex| DVec3::from(source.positions[vertex as usize])))
+            let at = |&vertex: &u32| (DVec3::from(source.positions[vertex as usize]), vertex);
+            tally(target, rounding, vertices.map(at))
+        })?;
+        let sampled = at_samples.max.max(at_vertices.max);
+        let most = self.samples.div_ceil(MOST_QUERIES);
+        let faces = promising_faces(source, &at_samples.far, &at_vertices.far, sampled, most);
+        let in_faces = self.in_chunks_of(FACES, faces.len(), 0, |numbers| {
+            let peaks = faces[numbers].iter().map(|&face| peak_of_face(source, face, target, sampled));
+            Tally { max: peaks.fold(0.0, f64::max), ..Tally::default() }
         })?;
         let count = self.samples as f64;
         Ok(OneWay {
             mean: at_samples.sum / count / self.diagonal,
             rms: (at_samples.sum_of_squares / count).sqrt() / self.diagonal,
-            max: at_samples.max.max(at_vertices.max) / self.diagonal,
+            max: sampled.max(in_faces.max) / self.diagonal,
         })
     }
 
@@ -223,15 +246,26 @@ impl Meter<'_> {
         count: usize,
         chunk: impl Fn(Range<usize>) -> Tally + Sync,
     ) -> Result<Tally, CompareError> {
+        self.in_chunks_of(CHUNK, count, 1, chunk)
+    }
+
+    /// The same in chunks of a given size; each counts as so much progress.
+    fn in_chunks_of(
+        &self,
+        size: usize,
+        count: usize,
+        progress: usize,
+        chunk: impl Fn(Range<usize>) -> Tally + Sync,
+    ) -> Result<Tally, CompareError> {
         let mut total = Tally::default();
-        let chunks = count.div_ceil(CHUNK);
+        let chunks = count.div_ceil(size);
         for first in (0..chunks).step_by(CHUNKS_PER_STEP) {
             let step = first..(first + CHUNKS_PER_STEP).min(chunks);
-            let range = |index: usize| index * CHUNK..((index + 1) * CHUNK).min(count);
+            let range = |index: usize| index * size..((index + 1) * size).min(count);
             let points = range(step.end - 1).end - range(step.start).start;
             let tallies: Vec<Tally> = step.into_par_iter().map(|index| chunk(range(index))).collect();
             tallies.into_iter().for_each(|tally| total.add(tally));
-            self.advance(points)?;
+            self.advance(points * progress)?;
         }
         Ok(total)
     }

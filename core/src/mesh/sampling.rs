@@ -71,12 +71,7 @@ impl<'m> AreaSampler<'m> {
         Self { mesh, cumulative, samples, seed }
     }
 
-    /// The samples of a range of numbers, in order.
-    pub(crate) fn points(&self, numbers: std::ops::Range<u64>) -> impl Iterator<Item = DVec3> {
-        self.points_and_faces(numbers).map(|(point, _)| point)
-    }
-
-    /// The same with the face each lies on.
+    /// The samples of a range of numbers, in order, with the face each lies on.
     pub(crate) fn points_and_faces(
         &self,
         numbers: std::ops::Range<u64>,
@@ -133,7 +128,8 @@ mod tests {
     #[test]
     fn samples_fall_in_proportion_to_area() {
         let mesh = two_squares();
-        let points: Vec<DVec3> = AreaSampler::new(&mesh, 4000, 7).points(0..4000).collect();
+        let points: Vec<DVec3> =
+            AreaSampler::new(&mesh, 4000, 7).points_and_faces(0..4000).map(|(point, _)| point).collect();
         assert_eq!(points.iter().filter(|point| point.y > 0.0).count(), 1000);
         let mean_x = points.iter().map(|point| point.x).sum::<f64>() / 4000.0;
         assert!((mean_x - 1.0 / 3.0).abs() < 0.02, "mean x {mean_x}");
@@ -143,16 +139,19 @@ mod tests {
     fn any_split_of_the_work_gives_the_same_points() {
         let mesh = two_squares();
         let sampler = AreaSampler::new(&mesh, 1000, 3);
-        let whole: Vec<DVec3> = sampler.points(0..1000).collect();
-        let parts: Vec<DVec3> =
-            (0..10).flat_map(|part| sampler.points(part * 100..part * 100 + 100)).collect();
+        let whole: Vec<DVec3> = sampler.points_and_faces(0..1000).map(|(point, _)| point).collect();
+        let parts: Vec<DVec3> = (0..10)
+            .flat_map(|part| sampler.points_and_faces(part * 100..part * 100 + 100))
+            .map(|(point, _)| point)
+            .collect();
         assert_eq!(whole, parts);
     }
 
     #[test]
     fn a_mesh_without_area_is_sampled_too() {
         let mesh = TriangleMesh { positions: vec![[2.0; 3]], faces: vec![[0, 0, 0]; 3] };
-        let points: Vec<DVec3> = AreaSampler::new(&mesh, 6, 1).points(0..6).collect();
+        let points: Vec<DVec3> =
+            AreaSampler::new(&mesh, 6, 1).points_and_faces(0..6).map(|(point, _)| point).collect();
         assert!(points.iter().all(|point| point.distance(DVec3::splat(2.0)) < 1e-14));
     }
 }

@@ -76,6 +76,19 @@ fn a_single_raised_vertex_sets_the_maximum() {
 }
 
 #[test]
+fn a_peak_between_the_samples_is_found() {
+    let top = DVec3::new(0.7, 0.3, 0.02);
+    let (a, mut b) = (grid(1, 0.0), grid(100, 0.0));
+    for p in &mut b.positions {
+        let from_top = (DVec3::from(*p) - top).truncate().length() / 0.1;
+        p[2] = if from_top < 1.0 { top.z * (1.0 - from_top * from_top).powi(2) } else { 0.0 };
+    }
+    // Samples of the square lie some 0.06 apart, and it has no vertex near the bump.
+    let found = measure(&a, &b, 256).a_to_b.max * 2f64.sqrt();
+    assert!(found > 0.985 * top.z && found <= top.z * 1.000_001, "{found}");
+}
+
+#[test]
 fn unreferenced_vertices_count_for_nothing() {
     let a = grid(3, 0.0);
     let mut b = a.clone();
