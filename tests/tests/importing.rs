@@ -78,19 +78,21 @@ fn click(window: &mut Window, label: &str) {
     window.run();
 }
 
+/// Chooses by hand what is automatic.
+fn choose(window: &mut Window, name: &str, value: &str) {
+    click(window, &format!("{name} automatic"));
+    window.get_by_label(&format!("chosen {name}")).click();
+    window.run();
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.event(egui::Event::Text(value.to_owned()));
+    window.key_press(Key::Enter);
+    window.run();
+}
+
 /// Chooses small sizes, so that a conversion is quick.
 fn choose_small_sizes(window: &mut Window) {
-    for (name, by_itself, value) in
-        [("chosen levels", "levels automatic", "2"), ("chosen base faces", "base faces automatic", "40")]
-    {
-        click(window, by_itself);
-        window.get_by_label(name).click();
-        window.run();
-        window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-        window.event(egui::Event::Text(value.to_owned()));
-        window.key_press(Key::Enter);
-        window.run();
-    }
+    choose(window, "levels", "2");
+    choose(window, "base faces", "40");
 }
 
 /// Opens a mesh by the path field.
@@ -114,8 +116,13 @@ fn preview(window: &mut Window) {
 
 /// The surface that the same import gives without a window.
 fn imported(path: &Path, up: UpAxis) -> SurfaceHash {
+    imported_with(path, up, None)
+}
+
+fn imported_with(path: &Path, up: UpAxis, sharp_angle: Option<f64>) -> SurfaceHash {
     let mesh = read_mesh(path).expect("a mesh");
-    let options = ConversionOptions { levels: Some(2), base_faces: Some(40), ..ConversionOptions::default() };
+    let sizes = ConversionOptions { levels: Some(2), base_faces: Some(40), ..ConversionOptions::default() };
+    let options = ConversionOptions { sharp_angle, ..sizes };
     let made = convert(&mesh, &options).expect("converted");
     let form = FormOptions { up, ..FormOptions::default() };
     Surface::from_positions(made.hierarchy, &made.positions, &form).expect("small").hash()
@@ -363,6 +370,25 @@ fn edits_without_a_file_are_not_lost_unasked() {
     assert_eq!(hash(&window), original);
     click(&mut window, "Discard edits");
     assert_eq!(hash(&window), imported(&mesh, UpAxis::Y));
+}
+
+#[test]
+fn edges_are_kept_sharp_above_a_chosen_angle() {
+    if !can_draw() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let mesh = folder.path().join("ball.obj");
+    write(&irregular(3), &mesh);
+    let mut window = editor(Start::Empty);
+    open(&mut window, &mesh);
+    choose_small_sizes(&mut window);
+    choose(&mut window, "sharp edges", "12");
+    preview(&mut window);
+    let session = &window.state().preview().expect("a preview").document().session;
+    assert!(!session.surface().hierarchy().base().sharp_edges().is_empty());
+    assert_eq!(session.hash(), imported_with(&mesh, UpAxis::Y, Some(12.0)), "as without a window");
+    assert_ne!(session.hash(), imported(&mesh, UpAxis::Y));
 }
 
 #[test]

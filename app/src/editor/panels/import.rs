@@ -16,6 +16,7 @@ use lucide_icons::Icon;
 const LEVELS: u8 = 4;
 const BASE_FACES: usize = 200;
 const TOLERANCE: f64 = 1e-3;
+const SHARP_ANGLE: f64 = 30.0;
 
 /// Draws the choices.
 pub(super) fn choices(ui: &mut Ui, before: &ImportChoices, seen: &Seen<'_>, commands: &mut Vec<Command>) {
@@ -120,6 +121,16 @@ fn sizes(ui: &mut Ui, now: &mut ImportChoices) {
             let response = ui.add(field);
             *tolerance = percent / 100.0;
             response
+        },
+    );
+    automatic(
+        ui,
+        "sharp edges",
+        "Keep edges sharp on meshes that look made, and none on scans",
+        &mut now.sharp_angle,
+        SHARP_ANGLE,
+        |ui, angle| {
+            ui.add(egui::DragValue::new(angle).range(1.0..=180.0).speed(0.2).prefix("above ").suffix("°"))
         },
     );
 }
