@@ -55,3 +55,47 @@ fn the_curve_falls_to_nothing() {
     assert!(errors.windows(2).all(|pair| pair[1] <= 1.1 * pair[0]), "{errors:?}");
     assert!(work.run(&["info", "ball.boz"]).stdout.contains("curve"));
 }
+
+#[test]
+fn what_keeping_costs_is_said() {
+    let work = Workplace::new();
+    ball_boz(&work);
+    let mut before = f64::INFINITY;
+    for keep in ["0.05", "0.3", "1"] {
+        let said = work.json(&["export", "ball.boz", "-o", "kept.boz", "--keep", keep]);
+        let number = |key: &str| said[key].as_f64().expect("a number");
+        let rms = work.json(&["compare", "ball.boz", "kept.boz"])["rms"].as_f64().expect("a number");
+        assert!((number("rms") - rms).abs() <= 1e-9, "{keep}: {said}, {rms} measured");
+        assert!(number("rms") < before && number("rms") <= 1.01 * number("in_domain"), "{keep}: {said}");
+        assert!((number("predicted") - number("in_domain")).abs() <= 0.2 * number("in_domain"), "{said}");
+        before = number("rms");
+    }
+    assert_eq!(before, 0.0);
+    let text = work.run(&["export", "ball.boz", "-o", "kept.obj", "--keep", "0.3"]).stdout;
+    assert!(text.contains("kept") && text.contains("rms") && text.contains("dropped"), "{text}");
+    assert_eq!(work.run(&["export", "ball.boz", "-o", "kept.obj"]).stdout, "");
+}
+
+#[test]
+fn adaptive_meshes_have_fewer_faces() {
+    let work = Workplace::new();
+    ball_boz(&work);
+    let light = ["export", "ball.boz", "-o", "light.obj", "--adaptive"];
+    let by_kept = work.json(&[&light[..], &["--keep", "0.3"]].concat());
+    let by_tolerance = work.json(&[&light[..], &["--tolerance", "0.05"]].concat());
+    for said in [&by_kept, &by_tolerance] {
+        assert!(said["faces"].as_u64() < Some(400) && said["faces_of_finest"] == 512, "{said}");
+    }
+    assert!(by_tolerance["max"].as_f64() <= Some(0.05) && by_tolerance["max"].as_f64() > Some(0.001));
+    assert_eq!(by_kept["tolerance"], by_kept["in_domain"]);
+    let mesh = models::read_obj(&String::from_utf8(work.read("light.obj")).expect("text"));
+    assert_eq!(by_tolerance["faces"], mesh.faces.len());
+    assert_eq!(by_tolerance["vertices"], mesh.positions.len());
+    let all = work.json(&light);
+    assert_eq!(all["faces"], 512);
+    work.refuses(&["export", "ball.boz", "-o", "light.boz", "--adaptive"], &["light.boz", "--adaptive"]);
+    for wrong in [["--adaptive", "--level", "1"], ["--keep", "0.3", "--tolerance"]] {
+        let run = work.run(&[&["export", "ball.boz", "-o", "light.obj"][..], &wrong].concat());
+        assert_eq!(run.status, 2, "{}", run.stderr);
+    }
+}

@@ -5,6 +5,7 @@ pub mod edit;
 pub mod file;
 pub mod hierarchy;
 pub mod io;
+pub mod lod;
 pub mod mesh;
 pub mod session;
 pub mod surface;

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The core's modules: each may import those before it, and no others.
-const CORE: [&str; 10] =
-    ["disk", "mesh", "io", "hierarchy", "wavelet", "conversion", "surface", "edit", "file", "session"];
+const CORE: [&str; 11] =
+    ["disk", "mesh", "io", "hierarchy", "wavelet", "conversion", "surface", "edit", "file", "lod", "session"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the workspace").to_owned()

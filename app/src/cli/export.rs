@@ -2,19 +2,26 @@
 
 use super::input::{LogArgs, load_model};
 use super::output;
+use super::progress::Progress;
 use super::size::SizeArgs;
+use crate::figures::grouped;
 use crate::opening::is_wavelet_file;
 use anyhow::{Context, Result, bail};
 use bozzetto_core::file::{Model, encode};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::io::{MeshFormat, write_mesh};
+use bozzetto_core::lod::{adaptive_triangulation, domain_distance, keep_largest};
+use bozzetto_core::mesh::{CompareOptions, Comparison, compare};
 use bozzetto_core::surface::Surface;
+use serde::Serialize;
+use std::fmt;
 use std::path::PathBuf;
 
 /// Write a level of a surface as a mesh, vertices in public order; or as a smaller wavelet file.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: bozzetto export assets/head.boz -o head.obj --level 3\n\
-    Example: bozzetto export assets/head.boz -o small.boz --bytes 4000")]
+    Example: bozzetto export assets/head.boz -o small.boz --bytes 4000\n\
+    Example: bozzetto export assets/head.boz -o light.obj --keep 0.12 --adaptive")]
 pub(super) struct Args {
     /// The wavelet file.
     file: PathBuf,
@@ -27,6 +34,16 @@ pub(super) struct Args {
     /// Keep this fraction of the wavelet coefficients, the largest after L2 normalisation.
     #[arg(long, value_name = "FRACTION", value_parser = fraction)]
     keep: Option<f64>,
+    /// Write large triangles where the surface is flat, without cracks.
+    #[arg(long, conflicts_with = "level")]
+    adaptive: bool,
+    /// How far, over the diagonal, the triangles of --adaptive may be from the surface; as far as what --keep, --bytes or --psnr
+    /// left out if not given, else 0: only what is flat is joined.
+    #[arg(long, value_name = "T", requires = "adaptive", value_parser = distance)]
+    tolerance: Option<f64>,
+    /// Print one JSON object: what was left out, and the error measured.
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     size: SizeArgs,
     #[command(flatten)]
@@ -50,34 +67,73 @@ pub(super) fn run(args: &Args) -> Result<()> {
     } else {
         bail!("{}: the format is not known; use .obj, .ply, .stl, .glb, .off or .boz", args.output.display());
     }
+    if args.adaptive && format.is_none() {
+        bail!("{}: a wavelet file has no triangles; leave --adaptive out", args.output.display());
+    }
     let mut model = load_model(&args.file, args.log.options())?;
     let name = || args.file.display().to_string();
     if !model.complete && is_wavelet_file(&args.output) {
         bail!("{}: this file is incomplete; get the rest of it first", name());
     }
-    if let Some(fraction) = args.keep {
-        let kept = largest_kept(&model.surface, fraction)?;
-        model = Model { unknown: model.unknown, ..Model::new(kept, None, model.metadata) };
+    let lossy = args.keep.is_some() || args.size.is_given() || args.adaptive;
+    let whole = lossy.then(|| model.surface.clone());
+    let kept = args.keep.map(|fraction| keep_largest(&model.surface, fraction));
+    if let Some(kept) = &kept {
+        model = Model { unknown: model.unknown, ..Model::new(kept.surface.clone(), None, model.metadata) };
     }
     let mut file = None;
     if args.size.is_given() {
-        let whole = model.surface.to_mesh(model.surface.finest());
-        let (bytes, smaller) = args.size.shrink(&model, &whole).with_context(name)?;
+        let mesh = model.surface.to_mesh(model.surface.finest());
+        let (bytes, smaller) = args.size.shrink(&model, &mesh).with_context(name)?;
         (file, model) = (Some(bytes), smaller);
     }
-    let Some(format) = format else {
-        return output::replace(&args.output, &file.unwrap_or_else(|| encode(&model)));
-    };
     let level = existing_level(&model.surface, args.level).with_context(name)?;
-    let mut bytes = Vec::new();
-    write_mesh(&model.surface.to_mesh(level), format, &mut bytes)
-        .with_context(|| args.output.display().to_string())?;
-    output::replace(&args.output, &bytes)
+    let in_domain = whole.as_ref().map_or(0.0, |whole| domain_distance(whole, &model.surface));
+    let mut mesh = model.surface.to_mesh(level);
+    // Without a tolerance of its own the triangulation may be as far off as what was dropped.
+    let mut tolerance = None;
+    if args.adaptive {
+        let diagonal = mesh.bounds().map_or(0.0, |bounds| bounds.diagonal());
+        let chosen = args.tolerance.map_or(in_domain, |tolerance| tolerance * diagonal);
+        mesh = adaptive_triangulation(&model.surface, chosen);
+        tolerance = Some(chosen);
+    }
+    match format {
+        None => output::replace(&args.output, &file.unwrap_or_else(|| encode(&model)))?,
+        Some(format) => {
+            let mut bytes = Vec::new();
+            write_mesh(&mesh, format, &mut bytes).with_context(|| args.output.display().to_string())?;
+            output::replace(&args.output, &bytes)?;
+        }
+    }
+    let Some(whole) = whole else { return Ok(()) };
+    let progress = Progress::new("Measuring");
+    let original = whole.to_mesh(level);
+    let error = compare(&original, &mesh, &CompareOptions::default(), &|share| progress.report(share))
+        .with_context(name)?;
+    drop(progress);
+    let outcome = Outcome {
+        kept: kept.as_ref().map(|kept| kept.kept),
+        coefficients: (0..whole.finest().0).map(|j| whole.wavelets(Level(j)).len()).sum(),
+        predicted: kept.map(|kept| kept.predicted / error.diagonal),
+        in_domain: in_domain / error.diagonal,
+        vertices: mesh.positions.len(),
+        faces: mesh.faces.len(),
+        faces_of_finest: whole.hierarchy().face_count(whole.finest()),
+        tolerance: tolerance.map(|tolerance| tolerance / error.diagonal),
+        error,
+    };
+    if args.json { output::print_json(&outcome) } else { output::print(&outcome.to_string()) }
 }
 
 fn fraction(text: &str) -> Result<f64, String> {
     let parsed = text.parse().ok().filter(|fraction| (0.0..=1.0).contains(fraction));
     parsed.ok_or_else(|| "give a fraction from 0 to 1".to_owned())
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|distance: &f64| (0.0..=1.0).contains(distance));
+    parsed.ok_or_else(|| "give a distance over the diagonal, from 0 to 1".to_owned())
 }
 
 /// The level asked for, or the finest.
@@ -95,26 +151,44 @@ pub(super) fn existing_level(surface: &Surface, level: Option<u8>) -> Result<Lev
     }
 }
 
-/// The surface with all but the largest wavelet coefficients set to zero; magnitudes of level j count `2^−j`.
-fn largest_kept(surface: &Surface, fraction: f64) -> Result<Surface> {
-    let finest = surface.finest().0;
-    // Squared magnitudes on the scale of the finest level are exact integers.
-    let size = |level: u8, d: [i32; 3]| {
-        let squared: i128 = d.iter().map(|&x| i128::from(x) * i128::from(x)).sum();
-        squared << (2 * (finest - level))
-    };
-    let mut sizes: Vec<i128> =
-        (0..finest).flat_map(|j| surface.wavelets(Level(j)).iter().map(move |&d| size(j, d))).collect();
-    let kept = (sizes.len() as f64 * fraction).round() as usize;
-    sizes.sort_unstable_by(|a, b| b.cmp(a));
-    let threshold = if kept == 0 { i128::MAX } else { sizes[kept - 1] };
-    let wavelets = (0..finest)
-        .map(|j| {
-            let keep = |&d: &[i32; 3]| if size(j, d) >= threshold { d } else { [0; 3] };
-            surface.wavelets(Level(j)).iter().map(keep).collect()
-        })
-        .collect();
-    let hierarchy = surface.hierarchy().as_ref().clone();
-    let coarsest = surface.scaling(Level::BASE).to_vec();
-    Ok(Surface::from_coefficients(hierarchy, surface.form().clone(), coarsest, wavelets)?)
+/// What is said of an export that left something out.
+#[derive(Debug, Serialize)]
+struct Outcome {
+    /// Wavelet coefficients kept that are not zero, of `--keep`.
+    kept: Option<usize>,
+    /// Wavelet coefficients there were.
+    coefficients: usize,
+    /// Root mean square distance between points with the same place on the base mesh, as the dropped coefficients
+    /// foretell it, over the diagonal.
+    predicted: Option<f64>,
+    /// The same, measured.
+    in_domain: f64,
+    vertices: usize,
+    faces: usize,
+    /// Faces of the finest level.
+    faces_of_finest: u64,
+    /// The tolerance of `--adaptive`, over the diagonal.
+    tolerance: Option<f64>,
+    #[serde(flatten)]
+    error: Comparison,
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(kept) = self.kept {
+            let share = 100.0 * kept as f64 / self.coefficients.max(1) as f64;
+            let (kept, all) = (grouped(kept as u64), grouped(self.coefficients as u64));
+            writeln!(f, "kept       {kept} of {all} wavelet coefficients ({share:.2} %)")?;
+        }
+        let (faces, all) = (grouped(self.faces as u64), grouped(self.faces_of_finest));
+        writeln!(f, "faces      {faces} of {all}, {} vertices", grouped(self.vertices as u64))?;
+        let Comparison { rms, max, psnr, .. } = self.error;
+        let psnr = psnr.map_or(String::new(), |psnr| format!(", {psnr:.2} dB"));
+        writeln!(f, "error      rms {rms:.3e}, max {max:.3e} of the diagonal, both ways{psnr}")?;
+        if let Some(predicted) = self.predicted {
+            let at = self.in_domain;
+            writeln!(f, "in the wavelets' norm {at:.3e}, by the dropped coefficients {predicted:.3e}")?;
+        }
+        Ok(())
+    }
 }
