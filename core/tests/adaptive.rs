@@ -6,7 +6,7 @@ use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level};
 use bozzetto_core::lod::{adaptive_triangulation, keep_largest};
 use bozzetto_core::mesh::connectivity::Connectivity;
 use bozzetto_core::mesh::{CompareOptions, TriangleMesh, compare, shapes};
-use bozzetto_core::surface::{FormOptions, Surface};
+use bozzetto_core::surface::{Form, FormOptions, Surface};
 use bozzetto_core::wavelet::Wavelet;
 use samples::{ball_of_radius, on_threads, surface};
 use std::collections::{HashMap, HashSet};
@@ -129,28 +129,39 @@ fn everything_kept_is_the_whole_mesh() {
     }
 }
 
+/// A flat disc on which every wavelet of a level, on top of all coarser ones, lifts its vertex by so many steps.
+fn disc_lifted(levels: u8, steps: i32) -> (TriangleMesh, Surface) {
+    let base = shapes::disc(6);
+    let corners = BaseMesh::new(base.positions.len() as u32, base.faces.clone(), &[]).expect("a base mesh");
+    let flat = Hierarchy::new(Arc::new(corners.clone()), Level::BASE).expect("small");
+    let placed = Surface::from_positions(flat, &base.positions, &FormOptions::default()).expect("a disc");
+    let hierarchy = Hierarchy::new(Arc::new(corners), Level(levels)).expect("small");
+    let form = Form { wavelet: Wavelet::Lazy, ..placed.form().clone() };
+    let wavelets = (0..levels)
+        .map(|level| vec![[0, 0, steps]; hierarchy.layout(Level(level)).odd_len() as usize])
+        .collect();
+    let coarsest = placed.scaling(Level::BASE).to_vec();
+    (base, Surface::from_coefficients(hierarchy, form, coarsest, wavelets).expect("lifted"))
+}
+
 #[test]
 fn a_flat_surface_is_its_base_mesh() {
-    let base = shapes::disc(6);
-    let flat = BaseMesh::new(base.positions.len() as u32, base.faces.clone(), &[]).expect("a base mesh");
-    let hierarchy = Hierarchy::new(Arc::new(flat), Level(4)).expect("small");
-    let mesh = shapes::subdivide(&base, 4);
-    let layout = hierarchy.layout(Level(4)).clone();
-    let corners = hierarchy.base().faces().to_vec();
-    let positions: Vec<[f64; 3]> = hierarchy
-        .sites(Level(4))
-        .map(|site| {
-            let (face, b) = layout.chart(site);
-            let of = |c: usize| {
-                (0..3).map(|k| base.positions[corners[face as usize][k] as usize][c] * f64::from(b[k])).sum()
-            };
-            [0, 1, 2].map(of).map(|x: f64| x / 16.0)
-        })
-        .collect();
-    assert_eq!(positions.len(), mesh.positions.len());
-    let surface = Surface::from_positions(hierarchy, &positions, &FormOptions::default()).expect("a disc");
-    let one_step = 2.0 * surface.form().placement.step;
-    assert_eq!(adaptive_triangulation(&surface, 4.0 * one_step).faces.len(), base.faces.len());
+    let (base, flat) = disc_lifted(4, 0);
+    assert_eq!(adaptive_triangulation(&flat, 0.0).faces.len(), base.faces.len());
+}
+
+/// Every level alone is nearer than the tolerance, all of them together are not.
+#[test]
+fn what_the_levels_bend_adds_up() {
+    let steps = 1 << 14;
+    let (_, surface) = disc_lifted(5, steps);
+    let tolerance = 2.5 * f64::from(steps) * surface.form().placement.step;
+    let mesh = adaptive_triangulation(&surface, tolerance);
+    let finest = surface.to_mesh(surface.finest());
+    let options = CompareOptions { samples: 50_000, seed: 1 };
+    let found = compare(&finest, &mesh, &options, &|_| true).expect("surfaces");
+    assert!(found.max * found.diagonal <= tolerance, "{} of {tolerance}", found.max * found.diagonal);
+    assert!(mesh.faces.len() < finest.faces.len(), "{} faces", mesh.faces.len());
 }
 
 #[test]

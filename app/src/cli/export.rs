@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use bozzetto_core::file::{Model, encode};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::io::{MeshFormat, write_mesh};
-use bozzetto_core::lod::{adaptive_triangulation, domain_distance, keep_largest};
+use bozzetto_core::lod::{Kept, adaptive_triangulation, domain_distance, keep_largest};
 use bozzetto_core::mesh::{CompareOptions, Comparison, compare};
 use bozzetto_core::surface::Surface;
 use serde::Serialize;
@@ -77,9 +77,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     let lossy = args.keep.is_some() || args.size.is_given() || args.adaptive;
     let whole = lossy.then(|| model.surface.clone());
-    let kept = args.keep.map(|fraction| keep_largest(&model.surface, fraction));
-    if let Some(kept) = &kept {
-        model = Model { unknown: model.unknown, ..Model::new(kept.surface.clone(), None, model.metadata) };
+    let mut kept = None;
+    if let Some(fraction) = args.keep {
+        let Kept { surface, kept: count, predicted, .. } = keep_largest(&model.surface, fraction);
+        model = Model { unknown: model.unknown, ..Model::new(surface, None, model.metadata) };
+        kept = Some((count, predicted));
     }
     let mut file = None;
     if args.size.is_given() {
@@ -88,6 +90,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
         (file, model) = (Some(bytes), smaller);
     }
     let level = existing_level(&model.surface, args.level).with_context(name)?;
+    if format.is_none() && !lossy {
+        return output::replace(&args.output, &encode(&model));
+    }
     let in_domain = whole.as_ref().map_or(0.0, |whole| domain_distance(whole, &model.surface));
     let mut mesh = model.surface.to_mesh(level);
     // Without a tolerance of its own the triangulation may be as far off as what was dropped.
@@ -113,9 +118,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
         .with_context(name)?;
     drop(progress);
     let outcome = Outcome {
-        kept: kept.as_ref().map(|kept| kept.kept),
+        kept: kept.map(|(count, _)| count),
         coefficients: (0..whole.finest().0).map(|j| whole.wavelets(Level(j)).len()).sum(),
-        predicted: kept.map(|kept| kept.predicted / error.diagonal),
+        predicted: kept.map(|(_, predicted)| predicted / error.diagonal),
         in_domain: in_domain / error.diagonal,
         vertices: mesh.positions.len(),
         faces: mesh.faces.len(),

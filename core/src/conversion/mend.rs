@@ -100,8 +100,9 @@ impl Mending<'_> {
         Ok(positions)
     }
 
-    /// Mends what lies around `bad` faces, the smallest parts first, as long as no more than so many faces are looked at;
-    /// returns the faces where that was not enough, and how many looks it took at most.
+    /// Mends what lies around `bad` faces, given in ascending order, the smallest parts first, as long as no more than so
+    /// many faces are looked at; returns the faces where that was not enough, ascending, and how many looks it took at
+    /// most.
     fn pass(
         &self,
         pass: &Pass,
@@ -115,8 +116,8 @@ impl Mending<'_> {
         if patch.own == 0 {
             return Ok((Vec::new(), 0));
         }
-        let (chosen, used) = patch.smallest_parts(looks / (pass.starts * (pass.steps + 1)));
-        let used = used * pass.starts * (pass.steps + 1);
+        let steps = pass.starts * (pass.steps + 1);
+        let (chosen, faces) = patch.smallest_parts(looks / steps);
         let mut tree = None;
         let mut best: Vec<DVec3> = patch.vertices.iter().map(|&v| positions[v as usize]).collect();
         let mut least = vec![f64::INFINITY; patch.parts];
@@ -125,7 +126,6 @@ impl Mending<'_> {
         let is_bad = |f: u32| bad.binary_search(&f).is_ok();
         let mut worst: Vec<bool> =
             (0..patch.own).map(|f| !chosen[patch.face_part[f] as usize] && is_bad(patch.faces[f])).collect();
-        let steps = starts.len() * (pass.steps + 1);
         for (k, start) in starts.iter().enumerate() {
             let mut at: Vec<DVec3> = (0..patch.vertices.len())
                 .map(|v| if patch.free[v] { start[patch.vertices[v] as usize] } else { best[v] })
@@ -176,7 +176,7 @@ impl Mending<'_> {
         for (v, &at) in patch.vertices.iter().zip(&best) {
             positions[*v as usize] = at;
         }
-        Ok(((0..patch.own).filter(|&f| worst[f]).map(|f| patch.faces[f]).collect(), used))
+        Ok(((0..patch.own).filter(|&f| worst[f]).map(|f| patch.faces[f]).collect(), faces * steps))
     }
 
     /// Faces that are turned over, slivers, and those where the surfaces are far apart.

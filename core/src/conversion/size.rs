@@ -149,8 +149,8 @@ mod tests {
         assert_eq!(falling[3], None, "the tolerance is met");
         let stuck = sizes(&[1.3e-3, 1.25e-3, 1.2e-3, 1.18e-3]);
         assert!(stuck[2].is_some() && stuck[3].is_none(), "{stuck:?}");
-        let late = sizes(&[1.3e-3, 1.25e-3, 1.1e-3, 1.05e-3]);
-        assert!(late[3].is_some(), "an attempt that comes closer starts the count anew: {late:?}");
+        let late = sizes(&[1.3e-3, 1.25e-3, 1.2e-3, 1.05e-3, 1.04e-3]);
+        assert!(late[4].is_some(), "an attempt that comes closer starts the count anew: {late:?}");
     }
 
     #[test]

@@ -160,7 +160,7 @@ struct Tally {
     sum: f64,
     sum_of_squares: f64,
     max: f64,
-    /// The points that are far, and some more.
+    /// The points that are far; of one chunk some more.
     far: Vec<Found>,
 }
 
@@ -168,8 +168,11 @@ impl Tally {
     fn add(&mut self, other: Self) {
         self.sum += other.sum;
         self.sum_of_squares += other.sum_of_squares;
-        self.max = self.max.max(other.max);
-        let least = PROMISING * self.max;
+        let least = PROMISING * self.max.max(other.max);
+        if other.max > self.max {
+            self.max = other.max;
+            self.far.retain(|found| found.distance >= least);
+        }
         self.far.extend(other.far.into_iter().filter(|found| found.distance >= least));
     }
 }

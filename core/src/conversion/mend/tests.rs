@@ -72,6 +72,24 @@ fn sheets_of_a_thin_plate_stay_apart() {
     }
 }
 
+#[test]
+fn what_there_is_no_time_for_stays_bad_and_where_it_is() {
+    let (input, coarse) = (ellipsoid(5, 1.0), ellipsoid(4, 1.0));
+    let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
+    let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
+    let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
+    let mending = Mending { target: &target, fitted: &fitted, sheets: &places, places: &places };
+    let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
+        panic!("nobody asked to stop")
+    };
+    let (bad, mut positions) = ([3, 40, 800], places.clone());
+    let Ok((left, used)) = mending.pass(&PASSES[0], &mut positions, &pulls, &bad, 0, &|_| true) else {
+        panic!("nobody asked to stop")
+    };
+    assert_eq!((left, used), (bad.to_vec(), 0));
+    assert!(positions == places);
+}
+
 /// The smallest parts are chosen while the faces they have together are allowed.
 #[test]
 fn the_smallest_places_are_mended_first() {

@@ -10,7 +10,6 @@
 use super::super::bounding_volumes::BoundingVolumes;
 use super::super::{FaceIndex, TriangleMesh};
 use glam::DVec3;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Points at this part of the greatest distance or more make their faces worth a search.
@@ -45,8 +44,8 @@ pub(super) fn promising_faces(
         distance: face.iter().fold(0.0, |far_of: f64, &v| far_of.max(far[v as usize])),
         index: f,
     });
-    let mut faces: Vec<Found> = at_samples.iter().copied().chain(corners).collect();
-    faces.retain(|found| found.distance >= least && found.distance > 0.0);
+    let is_far = |found: &Found| found.distance >= least && found.distance > 0.0;
+    let mut faces: Vec<Found> = at_samples.iter().copied().chain(corners).filter(is_far).collect();
     // Each face once, with the furthest of its points.
     faces.sort_by(|a, b| (a.index, b.distance.to_bits()).cmp(&(b.index, a.distance.to_bits())));
     faces.dedup_by_key(|found| found.index);
@@ -55,64 +54,34 @@ pub(super) fn promising_faces(
     faces.iter().map(|found| found.index).collect()
 }
 
-/// A piece of a face, and the greatest distance it is expected to hold at most.
-struct Piece {
-    bound: f64,
-    corners: [DVec3; 3],
-}
-
-impl Ord for Piece {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let key = |piece: &Self| piece.corners.map(|corner| corner.to_array());
-        let by_place = || {
-            key(self)
-                .as_flattened()
-                .iter()
-                .zip(key(other).as_flattened())
-                .fold(Ordering::Equal, |order, (a, b)| order.then_with(|| a.total_cmp(b)))
-        };
-        self.bound.total_cmp(&other.bound).then_with(by_place)
-    }
-}
-
-impl PartialOrd for Piece {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Piece {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Piece {}
-
 /// The greatest distance found in a face, or `known` if that is more.
 pub(super) fn peak_of_face(mesh: &TriangleMesh, face: u32, target: &BoundingVolumes, known: f64) -> f64 {
     let mut cursor = target.cursor();
+    // The distance at the middle of a piece, and the greatest it is expected to hold.
     let mut measured = |corners: [DVec3; 3]| {
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         let distance = cursor.closest(middle.to_array()).squared_distance.sqrt();
         let radius = corners.iter().fold(0.0f64, |radius, corner| radius.max(corner.distance(middle)));
-        (distance, Piece { bound: distance + STEEPNESS * radius, corners })
+        (distance, distance + STEEPNESS * radius)
     };
-    let (distance, whole) = measured(mesh.corners(FaceIndex(face)).map(DVec3::from));
+    let whole = mesh.corners(FaceIndex(face)).map(DVec3::from);
+    let (distance, bound) = measured(whole);
     let mut greatest = known.max(distance);
-    let mut open = BinaryHeap::from([whole]);
-    let mut queries = 1;
-    while let Some(Piece { bound, corners: [a, b, c] }) = open.pop() {
-        if bound <= greatest * CLOSE_ENOUGH || queries + 4 > MOST_QUERIES {
+    let mut pieces = vec![whole];
+    // The bits of numbers that are not negative are in their order.
+    let mut open = BinaryHeap::from([(bound.to_bits(), 0)]);
+    while let Some((bound, piece)) = open.pop() {
+        if f64::from_bits(bound) <= greatest * CLOSE_ENOUGH || pieces.len() + 4 > MOST_QUERIES {
             break;
         }
+        let [a, b, c] = pieces[piece];
         let [ab, bc, ca] = [(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5];
         for corners in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
-            let (distance, piece) = measured(corners);
+            let (distance, bound) = measured(corners);
             greatest = greatest.max(distance);
-            open.push(piece);
+            open.push((bound.to_bits(), pieces.len()));
+            pieces.push(corners);
         }
-        queries += 4;
     }
     greatest
 }
