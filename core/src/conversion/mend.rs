@@ -13,6 +13,7 @@ use super::patch::{POINTS, Patch};
 use super::pulls::Pulls;
 use super::simplify::Cancelled;
 use super::target::Target;
+use super::unfold::Unfolding;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -97,6 +98,11 @@ impl Mending<'_> {
             (bad, used) = self.pass(pass, &mut positions, &pulls, &bad, share, &done)?;
             looks -= used;
         }
+        let turned = self.turned(&positions);
+        let turned: Vec<u32> = (0u32..).zip(&turned).filter(|(_, turned)| **turned).map(|(f, _)| f).collect();
+        let Self { target, fitted, places, .. } = *self;
+        let unfolding = Unfolding { target, fitted, places, pulls: &pulls };
+        unfolding.run(&mut positions, &turned, &|| progress(1.0))?;
         Ok(positions)
     }
 
@@ -187,9 +193,7 @@ impl Mending<'_> {
         bad.iter_mut().enumerate().for_each(|(f, bad)| *bad |= pulls.is_against(f));
         for (f, face) in faces.iter().enumerate() {
             let [a, b, c] = face.map(|v| positions[v as usize]);
-            let longest =
-                (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-            bad[f] |= (b - a).cross(c - a).length() < SLIVER * longest;
+            bad[f] |= twice_area_over_longest([a, b, c]) < SLIVER;
         }
         for forth in &pulls.forth {
             bad[forth.face as usize] |= forth.gap.length() > far;
@@ -210,9 +214,7 @@ impl Mending<'_> {
         let of_chunk = |faces: &[[u32; 3]]| {
             let mut cursor = self.target.tree.cursor();
             let turned = |face: &[u32; 3]| {
-                let [a, b, c] = face.map(|v| positions[v as usize]);
-                let near = cursor.closest(((a + b + c) / 3.0).to_array());
-                (b - a).cross(c - a).dot(self.target.normals[near.face.0 as usize]) <= 0.0
+                self.target.beside(face.map(|v| positions[v as usize]), &mut cursor).0 <= 0.0
             };
             faces.iter().map(turned).collect::<Vec<_>>()
         };
@@ -224,6 +226,12 @@ impl Mending<'_> {
 const CHUNK: usize = 1024;
 /// Twice the area of a sliver is less than this part of its longest side's square.
 const SLIVER: f64 = 0.05;
+
+/// Twice the area of a triangle over the square of its longest side; 0 for one without area.
+pub(super) fn twice_area_over_longest([a, b, c]: [DVec3; 3]) -> f64 {
+    let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    if longest > 0.0 { (b - a).cross(c - a).length() / longest } else { 0.0 }
+}
 
 /// Raises the weights of the worst samples.
 fn boost(boosts: &mut [f64], distances: &[f64], rms: f64) {

@@ -29,6 +29,7 @@ mod simplify;
 mod size;
 mod target;
 mod thin;
+mod unfold;
 mod walk;
 mod warp;
 mod watch;

@@ -391,6 +391,6 @@ fn components(fitted: &Fitted, free: &[bool]) -> (Vec<u32>, usize) {
     (part, parts as usize)
 }
 
-fn blend([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
+pub(super) fn blend([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
     a * weights[0] + b * weights[1] + c * weights[2]
 }

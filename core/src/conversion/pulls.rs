@@ -203,7 +203,7 @@ impl Pulls {
     }
 
     /// The samples of the input by the face they are closest to: where each face's begin, and their numbers.
-    fn by_face(&self, faces: usize) -> (Vec<u32>, Vec<u32>) {
+    pub(super) fn by_face(&self, faces: usize) -> (Vec<u32>, Vec<u32>) {
         let mut starts = vec![0u32; faces + 1];
         self.forth.iter().for_each(|forth| starts[forth.face as usize + 1] += 1);
         (0..faces).for_each(|f| starts[f + 1] += starts[f]);

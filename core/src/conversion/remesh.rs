@@ -141,7 +141,7 @@ pub fn remesh(
             if options.tolerance.is_some() { CLOSE_SAMPLES } else { CompareOptions::default().samples };
         let rules = CompareOptions { samples, ..CompareOptions::default() };
         let measured = compare(&input, &result, &rules, &|done| progress(Phase::Measure, done))?;
-        let size = Size { base_faces: size.base_faces, levels: made.hierarchy.finest().0 };
+        let size = made.size;
         next = attempts.next(size, measured.max, &input, options);
         if measured.max > POOR && !gently {
             // A thin horn may have been left behind: once more another way before there are more faces.
@@ -210,6 +210,8 @@ fn working_mesh(mesh: &TriangleMesh, connectivity: &Connectivity) -> WorkingMesh
 
 /// What one attempt makes; positions in the unit box.
 struct Made {
+    /// What was aimed at in the end.
+    size: Size,
     hierarchy: Hierarchy,
     positions: Vec<DVec3>,
     faces: Vec<[u32; 3]>,
@@ -229,11 +231,12 @@ struct How {
 fn attempt<'m>(
     prepared: &'m Prepared,
     target: &mut Option<Target<'m>>,
-    Size { base_faces: aim, levels }: Size,
+    size: Size,
     How { fewer_levels, gently, sharp_angle }: How,
     progress: &dyn Fn(Phase, f32) -> bool,
 ) -> Result<Made, RemeshError> {
     let check = |phase| if progress(phase, 0.0) { Ok(()) } else { Err(RemeshError::Cancelled) };
+    let Size { base_faces: aim, levels } = size;
     let Prepared { target: input, ground: mesh, connectivity } = prepared;
     check(Phase::Simplify)?;
     let most_corners = aim / FACES_PER_CORNER;
@@ -255,7 +258,10 @@ fn attempt<'m>(
     check(Phase::Resample)?;
     let domain = Domain::new(&working, &map)?;
     let base_faces = domain.base.faces().len();
-    let levels = if fewer_levels { affordable(levels, base_faces, input.faces.len()) } else { levels };
+    if fewer_levels && let Some(size) = affordable(size, base_faces, input.faces.len()) {
+        let how = How { fewer_levels: false, gently, sharp_angle };
+        return attempt(prepared, target, size, how, progress);
+    }
     let ground = Ground { mesh, connectivity };
     let laid = lay_out(
         &Input { mesh, ground: &ground, domain: &domain },
@@ -278,7 +284,7 @@ fn attempt<'m>(
     let sheets: Vec<DVec3> = places.points.iter().map(|point| ground.normal(point.face)).collect();
     let mending = Mending { target: near, fitted: &fitted, sheets: &sheets, places: &places.at };
     let positions = mending.run(fit, &|done| progress(Phase::Fit, FITTED + (1.0 - FITTED) * done))?;
-    Ok(Made { hierarchy, positions, faces: fitted.pattern.faces().to_vec() })
+    Ok(Made { size, hierarchy, positions, faces: fitted.pattern.faces().to_vec() })
 }
 
 /// On four scans the first two steps take out most of the error, and no step after the sixth any.

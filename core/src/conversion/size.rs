@@ -14,8 +14,9 @@ const MOST_FINEST: f64 = 200_000.0;
 const LEVELS: u8 = 4;
 /// The fewest base faces aimed at by default.
 const FEWEST_BASE_FACES: usize = 200;
-/// How many times the faces aimed at are accepted before levels are left out.
-const MOST_EXCESS: f64 = 4.0;
+/// Faces of the finest level by default at most, for each face of the input, where the base mesh has more than were aimed
+/// at: vertices stay below four times the input's.
+const MOST_TIMES: f64 = 3.9;
 
 /// An attempt has this times the faces that a greatest distance over its tolerance asks for: distances of smooth places
 /// fall with the faces, those of spikes later.
@@ -112,11 +113,22 @@ impl Attempts {
     }
 }
 
-/// So many levels, or fewer if the base mesh has far more faces than were aimed at, as where components are many.
-pub(super) fn affordable(levels: u8, base_faces: usize, input_faces: usize) -> u8 {
-    let most = FINENESS * MOST_EXCESS * input_faces as f64 / base_faces as f64;
-    (1..=levels).rev().find(|&j| finer(j) <= most).unwrap_or(levels.min(1))
+/// What to aim at instead where the base mesh has far more faces than were aimed at, as where handles or components are
+/// many: fewer levels over a finer base mesh. `None` if the levels are affordable.
+pub(super) fn affordable(size: Size, base_faces: usize, input_faces: usize) -> Option<Size> {
+    let most = MOST_TIMES * input_faces as f64;
+    let fits = |j: u8| finer(j) * base_faces as f64 <= most;
+    if size.levels <= 1 || fits(size.levels) {
+        return None;
+    }
+    let levels = (1..size.levels).rev().find(|&j| fits(j)).unwrap_or(1);
+    // The base mesh may turn out larger than this again, by some.
+    let aim = (size.finest().min(most) / finer(levels) / MOST_OVER) as usize;
+    Some(Size { base_faces: aim.max(size.base_faces), levels })
 }
+
+/// How many times as many faces as are aimed at a base mesh may have after all.
+const MOST_OVER: f64 = 1.15;
 
 /// Faces of a level for each base face.
 fn finer(level: u8) -> f64 {
@@ -151,6 +163,19 @@ mod tests {
         assert!(stuck[2].is_some() && stuck[3].is_none(), "{stuck:?}");
         let late = sizes(&[1.3e-3, 1.25e-3, 1.2e-3, 1.05e-3, 1.04e-3]);
         assert!(late[4].is_some(), "an attempt that comes closer starts the count anew: {late:?}");
+    }
+
+    #[test]
+    fn many_base_faces_leave_fewer_levels_but_no_coarser_surface() {
+        let size = Size { base_faces: 240, levels: 4 };
+        assert_eq!(affordable(size, 255, 17_000), None);
+        let other = affordable(size, 1_800, 17_000).expect("460,800 faces are too many");
+        assert_eq!(other.levels, 2);
+        let finest = other.finest();
+        assert!(finest > 0.7 * size.finest() && finest * MOST_OVER <= 3.9 * 17_000.0, "{other:?}");
+        // Nothing is left to leave out.
+        assert_eq!(affordable(Size { base_faces: 240, levels: 1 }, 16_000, 17_000), None);
+        assert_eq!(affordable(size, 16_000, 17_000).expect("fewer").levels, 1);
     }
 
     #[test]

@@ -6,11 +6,16 @@
 use super::fitted::Fitted;
 use super::normal_equations::Symmetric;
 use super::pulls::{ALONG, Pull};
-use crate::mesh::{AreaSampler, BoundingVolumes, TriangleMesh};
+use crate::mesh::{AreaSampler, BoundingVolumes, ClosestPointCursor, TriangleMesh};
 use glam::DVec3;
 
 /// Samples of the input for each face of the fitted surface.
 const SAMPLES_PER_FACE: f64 = 2.0;
+
+/// Normals of faces that meet where a normal is wanted are looked at if the first is no nearer than this cosine.
+const PLAIN: f64 = 0.5;
+/// They are found this far from the middle of a triangle, as a part of the way to its corners.
+const BESIDE: f64 = 1e-4;
 
 /// The input, ready for queries.
 pub(super) struct Target<'m> {
@@ -78,6 +83,30 @@ impl<'m> Target<'m> {
         }
         self.sample_faces.extend(face_of.iter().step_by(stride));
         self
+    }
+
+    /// The cosine of a triangle's normal to that of the input nearest to its middle, the least where faces of the input
+    /// meet there, or -1 without area; and how far the middle is from the input.
+    pub(super) fn beside(&self, [a, b, c]: [DVec3; 3], cursor: &mut ClosestPointCursor) -> (f64, f64) {
+        let normal = (b - a).cross(c - a).try_normalize();
+        let middle = (a + b + c) / 3.0;
+        let mut at = |point: DVec3| {
+            let near = cursor.closest(point.to_array());
+            let cosine = normal.map_or(-1.0, |normal| normal.dot(self.normals[near.face.0 as usize]));
+            (cosine, near.squared_distance.sqrt())
+        };
+        let (cosine, distance) = at(middle);
+        if cosine > PLAIN || normal.is_none() {
+            return (cosine, distance);
+        }
+        let least =
+            [a, b, c].map(|corner| at(middle.lerp(corner, BESIDE)).0).into_iter().fold(cosine, f64::min);
+        (least, distance)
+    }
+
+    /// The point of the input's boundary closest to one; that itself if there is no boundary.
+    pub(super) fn on_boundary(&self, point: DVec3) -> DVec3 {
+        self.boundary.as_ref().map_or(point, |curve| curve.tree.closest(point.to_array()).point.into())
     }
 
     /// What the boundary of the input demands of that of the fitted surface, and the other way.

@@ -1,0 +1,292 @@
+//! The last faces that are turned over: where fits and smoothing left one, its corners are tried at other places near by.
+//!
+//! A descent by pattern search, one vertex at a time: of some thirty places around it the vertex takes the one where the
+//! faces at it are turned least, as long as they stay near the input. What more is asked of a fit (even distances,
+//! even spacing) was done before; a handful of faces is left, seldom hundreds.
+//!
+//! Guarantees: no step turns more faces over; vertices slide along the sharp edge or the boundary they lie on; far from
+//! turned faces all stay; the same input gives the same result.
+
+use super::fitted::Fitted;
+use super::mend::twice_area_over_longest;
+use super::patch::{POINTS, blend};
+use super::pulls::Pulls;
+use super::simplify::Cancelled;
+use super::target::Target;
+use crate::mesh::{ClosestPointCursor, closest_on_triangle};
+use glam::DVec3;
+
+/// Rounds over the turned faces.
+const ROUNDS: usize = 12;
+/// Faces looked at are so many at most: hundreds of folds may be the input's own.
+const MOST_FACES: usize = 1_500;
+/// The surroundings of so many faces that stay turned are shaken at most: these rings of vertices are smoothed so many
+/// times, and descend so many times from there.
+const MOST_SHAKEN: usize = 16;
+const RINGS: usize = 2;
+const SMOOTHINGS: [usize; 2] = [2, 10];
+const DESCENTS: usize = 4;
+/// A face counts as well turned from this cosine to the input's normal on.
+const UPRIGHT: f64 = 0.3;
+/// A face is no sliver from this on; see [`twice_area_over_longest`].
+const STOUT: f64 = 0.1;
+/// What it is worth that the middle of a face is not twice as far from the input as it may be.
+const FAR: f64 = 0.3;
+/// Faces that are changed lie no further from the input, and the input from them, than before or than so many root mean
+/// squares of the fit, within these bounds over the diagonal.
+const REACH: f64 = 10.0;
+const REACHES: [f64; 2] = [2e-4, 1e-3];
+
+/// Where a vertex may go: to the faces and the corners of a cube.
+const WAYS: [DVec3; 14] = {
+    const fn way(x: f64, y: f64, z: f64) -> DVec3 {
+        DVec3::new(x, y, z)
+    }
+    [
+        way(1.0, 0.0, 0.0),
+        way(-1.0, 0.0, 0.0),
+        way(0.0, 1.0, 0.0),
+        way(0.0, -1.0, 0.0),
+        way(0.0, 0.0, 1.0),
+        way(0.0, 0.0, -1.0),
+        way(1.0, 1.0, 1.0),
+        way(1.0, 1.0, -1.0),
+        way(1.0, -1.0, 1.0),
+        way(1.0, -1.0, -1.0),
+        way(-1.0, 1.0, 1.0),
+        way(-1.0, 1.0, -1.0),
+        way(-1.0, -1.0, 1.0),
+        way(-1.0, -1.0, -1.0),
+    ]
+};
+
+/// What turned faces are undone on.
+pub(super) struct Unfolding<'a> {
+    pub(super) target: &'a Target<'a>,
+    pub(super) fitted: &'a Fitted,
+    /// The true places of the vertices.
+    pub(super) places: &'a [DVec3],
+    /// How the fit lay.
+    pub(super) pulls: &'a Pulls,
+}
+
+/// What is asked again and again.
+struct Near<'a> {
+    cursor: ClosestPointCursor<'a>,
+    /// The samples of the target by the face of the fit that each was closest to.
+    starts: Vec<u32>,
+    order: Vec<u32>,
+}
+
+impl Near<'_> {
+    fn samples(&self, face: u32) -> &[u32] {
+        let face = face as usize;
+        &self.order[self.starts[face] as usize..self.starts[face + 1] as usize]
+    }
+}
+
+impl Unfolding<'_> {
+    /// Tries to turn faces back; `turned` are those that are turned over, ascending. Cost: about a millisecond for each of
+    /// them and round, some fifty for each that stays.
+    ///
+    /// # Errors
+    /// `go_on` answered no.
+    pub(super) fn run(
+        &self,
+        positions: &mut [DVec3],
+        turned: &[u32],
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<(), Cancelled> {
+        let (starts, order) = self.pulls.by_face(self.fitted.pattern.faces().len());
+        let mut near = Near { cursor: self.target.tree.cursor(), starts, order };
+        let mut left: Vec<u32> = turned[..turned.len().min(MOST_FACES)].to_vec();
+        for _ in 0..ROUNDS {
+            let mut next = Vec::new();
+            for &f in &left {
+                if !go_on() {
+                    return Err(Cancelled);
+                }
+                let corners = self.fitted.pattern.faces()[f as usize];
+                if self.is_turned(f, positions, &mut near)
+                    && corners.map(|v| self.improve(v as usize, positions, &mut near)).contains(&true)
+                {
+                    next.push(f);
+                }
+            }
+            if next.is_empty() {
+                break;
+            }
+            left = next;
+        }
+        let mut tries = MOST_SHAKEN;
+        for &f in turned {
+            if tries > 0 && self.is_turned(f, positions, &mut near) {
+                tries -= 1;
+                self.shake(f, positions, &mut near, go_on)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Smooths the surroundings of a face and descends from there, and leaves them as they were if that is no better.
+    fn shake(
+        &self,
+        face: u32,
+        positions: &mut [DVec3],
+        near: &mut Near,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<(), Cancelled> {
+        let pattern = &self.fitted.pattern;
+        let mut around = pattern.faces()[face as usize].to_vec();
+        for _ in 0..RINGS {
+            around = around.iter().flat_map(|&v| pattern.neighbours(v as usize)).copied().collect();
+            around.sort_unstable();
+            around.dedup();
+        }
+        let mut faces: Vec<u32> =
+            around.iter().flat_map(|&v| pattern.corners(v as usize)).map(|corner| corner / 3).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        let before: Vec<DVec3> = around.iter().map(|&v| positions[v as usize]).collect();
+        let allowed = self.greatest(&faces, positions, near).max(self.reach());
+        let mut least = self.badness(&faces, positions, near);
+        let mut best = before.clone();
+        for times in SMOOTHINGS {
+            around.iter().zip(&before).for_each(|(&v, &at)| positions[v as usize] = at);
+            for _ in 0..times {
+                for &v in &around {
+                    let v = v as usize;
+                    let near = pattern.neighbours(v);
+                    let mean = near.iter().map(|&w| positions[w as usize]).sum::<DVec3>() / near.len() as f64;
+                    positions[v] = self.allowed(v, positions[v], positions[v].midpoint(mean));
+                }
+            }
+            for _ in 0..DESCENTS {
+                if !go_on() {
+                    return Err(Cancelled);
+                }
+                let moved = around.iter().filter(|&&v| self.improve(v as usize, positions, near)).count();
+                if moved == 0 {
+                    break;
+                }
+            }
+            let badness = self.badness(&faces, positions, near);
+            if badness < least && self.greatest(&faces, positions, near) <= allowed {
+                least = badness;
+                best = around.iter().map(|&v| positions[v as usize]).collect();
+            }
+        }
+        around.iter().zip(&best).for_each(|(&v, &at)| positions[v as usize] = at);
+        Ok(())
+    }
+
+    fn reach(&self) -> f64 {
+        (REACH * self.pulls.rms).clamp(REACHES[0], REACHES[1])
+    }
+
+    fn faces_at(&self, v: usize) -> Vec<u32> {
+        self.fitted.pattern.corners(v).iter().map(|corner| corner / 3).collect()
+    }
+
+    /// Moves a vertex where the faces at it are turned less; whether it moved.
+    fn improve(&self, v: usize, positions: &mut [DVec3], near: &mut Near) -> bool {
+        let before = positions[v];
+        let faces = self.faces_at(v);
+        let least = self.badness(&faces, positions, near);
+        if least == 0.0 {
+            return false;
+        }
+        let allowed = self.greatest(&faces, positions, near).max(self.reach());
+        let mut tried: Vec<(f64, DVec3)> = Vec::new();
+        for place in self.around(v, positions) {
+            let place = self.allowed(v, before, place);
+            positions[v] = place;
+            let badness = self.badness(&faces, positions, near);
+            if badness < least - 1e-6 {
+                tried.push((badness, place));
+            }
+        }
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, place) in tried {
+            positions[v] = place;
+            if self.greatest(&faces, positions, near) <= allowed {
+                return true;
+            }
+        }
+        positions[v] = before;
+        false
+    }
+
+    /// Where a vertex that would go to another place may go: along its sharp edge, or the boundary of the input.
+    fn allowed(&self, v: usize, from: DVec3, to: DVec3) -> DVec3 {
+        let to = if self.fitted.along_boundary[v].is_some() { self.target.on_boundary(to) } else { to };
+        self.fitted.held.put(v, from, to)
+    }
+
+    /// Places to try for a vertex.
+    fn around(&self, v: usize, positions: &[DVec3]) -> Vec<DVec3> {
+        let at = positions[v];
+        let near = self.fitted.pattern.neighbours(v);
+        let mean = near.iter().map(|&w| positions[w as usize]).sum::<DVec3>() / near.len() as f64;
+        let length =
+            near.iter().map(|&w| positions[w as usize].distance(at)).sum::<f64>() / near.len() as f64;
+        let mut places: Vec<DVec3> = [0.25, 0.5, 1.0].iter().map(|t| at.lerp(mean, *t)).collect();
+        places.extend([0.5, 1.0].iter().map(|t| at.lerp(self.places[v], *t)));
+        for way in WAYS {
+            places.extend([0.12, 0.4].iter().map(|t| at + way.normalize() * (length * t)));
+        }
+        places
+    }
+
+    fn corners(&self, face: u32, positions: &[DVec3]) -> [DVec3; 3] {
+        self.fitted.pattern.faces()[face as usize].map(|v| positions[v as usize])
+    }
+
+    fn is_turned(&self, face: u32, positions: &[DVec3], near: &mut Near) -> bool {
+        self.target.beside(self.corners(face, positions), &mut near.cursor).0 <= 0.0
+    }
+
+    /// How many faces are turned over, and how far the others are from being upright, stout and within reach.
+    fn badness(&self, faces: &[u32], positions: &[DVec3], near: &mut Near) -> f64 {
+        let reach = self.reach();
+        let of_face = |&f: &u32| {
+            let corners = self.corners(f, positions);
+            let (cosine, distance) = self.target.beside(corners, &mut near.cursor);
+            let stout = twice_area_over_longest(corners);
+            f64::from(u8::from(cosine <= 0.0))
+                + (UPRIGHT - cosine).max(0.0)
+                + (STOUT - stout).max(0.0)
+                + FAR * (distance / reach - 1.0).clamp(0.0, 1.0)
+        };
+        faces.iter().map(of_face).sum()
+    }
+
+    /// The greatest distance of faces from the input, and of the input from them: of the samples that were closest to one of
+    /// them, from all around.
+    fn greatest(&self, faces: &[u32], positions: &[DVec3], near: &mut Near) -> f64 {
+        let pattern = &self.fitted.pattern;
+        let forth = faces
+            .iter()
+            .flat_map(|&f| POINTS.map(|weights| blend(self.corners(f, positions), weights)))
+            .map(|point| near.cursor.closest(point.to_array()).squared_distance)
+            .fold(0.0, f64::max);
+        let mut around: Vec<u32> = faces
+            .iter()
+            .flat_map(|&f| pattern.faces()[f as usize])
+            .flat_map(|v| pattern.corners(v as usize))
+            .map(|corner| corner / 3)
+            .collect();
+        around.sort_unstable();
+        around.dedup();
+        let triangles: Vec<[DVec3; 3]> = around.iter().map(|&f| self.corners(f, positions)).collect();
+        let back = |&sample: &u32| {
+            let point = self.target.samples[sample as usize];
+            triangles.iter().map(|t| closest_on_triangle(point, t).1).fold(f64::INFINITY, f64::min)
+        };
+        let back = faces.iter().flat_map(|&f| near.samples(f)).map(back).fold(0.0, f64::max);
+        forth.max(back).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests;
