@@ -3,6 +3,7 @@
 use super::border::Border;
 use super::chart::Chart;
 use super::face_blocks::FaceBlock;
+use super::points::Points;
 use super::predict::Difference;
 use super::strip::Strip;
 use super::update::{Direction, Update};
@@ -27,8 +28,9 @@ impl Engine<'_> {
     ) -> bool {
         let n = chart.n();
         let stencils = window.place(self.filters.stencil());
-        let value = |site| finer[chart.fine.slot(site).index()];
-        border.collect(chart, value);
+        let points = Points::all(chart.coarse, chart.fine, finer);
+        border.collect(chart, &points);
+        let around = (&*border, &points);
         let mut exact = true;
         for first in (0..=n).step_by(STRIP as usize) {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
@@ -38,8 +40,8 @@ impl Engine<'_> {
                 let row = window.row(r);
                 let (even, odd) =
                     ([&mut row.e[..used], &mut row.h[..used]], [&mut row.v[..used], &mut row.d[..used]]);
-                strip.read_row(chart, border, 2 * r, stored_row(chart, 2 * r, finer), value, even);
-                strip.read_row(chart, border, 2 * r + 1, stored_row(chart, 2 * r + 1, finer), value, odd);
+                strip.read_row(chart, around, 2 * r, stored_row(chart, 2 * r, finer), even);
+                strip.read_row(chart, around, 2 * r + 1, stored_row(chart, 2 * r + 1, finer), odd);
                 exact &= self.predict(window, n, r);
                 self.store_details(chart, strip, window, r, &mut output.details);
                 let even = r - HALO;

@@ -15,6 +15,7 @@ mod chart;
 mod face_blocks;
 mod pairs;
 mod patch;
+mod points;
 mod predict;
 mod stencil;
 mod strip;

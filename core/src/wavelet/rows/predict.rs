@@ -30,7 +30,7 @@ impl WithSimd for Difference<'_> {
     }
 }
 
-/// Makes odd vertices of details: `detail + mean`.
+/// Makes odd vertices of details: `detail + mean`; whether class sums of the details cannot overflow.
 pub(super) struct Sum<'a> {
     pub(super) odd: &'a mut [i32],
     pub(super) detail: &'a [i32],
@@ -39,25 +39,16 @@ pub(super) struct Sum<'a> {
 }
 
 impl WithSimd for Sum<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let parents = self.u.iter().zip(self.w);
-        for ((odd, &detail), (&u, &w)) in self.odd.iter_mut().zip(self.detail).zip(parents) {
-            *odd = detail.wrapping_add(mean(u, w));
-        }
-    }
-}
-
-/// Whether class sums of these values cannot overflow.
-pub(super) struct Within<'a>(pub(super) &'a [i32]);
-
-impl WithSimd for Within<'_> {
     type Output = bool;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> bool {
-        self.0.iter().fold(0, |beyond, x| beyond | (x ^ (x >> 31))) >> SUMMABLE_BITS == 0
+        let mut beyond = 0;
+        let parents = self.u.iter().zip(self.w);
+        for ((odd, &detail), (&u, &w)) in self.odd.iter_mut().zip(self.detail).zip(parents) {
+            *odd = detail.wrapping_add(mean(u, w));
+            beyond |= detail ^ (detail >> 31);
+        }
+        beyond >> SUMMABLE_BITS == 0
     }
 }

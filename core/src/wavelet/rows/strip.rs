@@ -4,8 +4,8 @@ use super::border::Border;
 use super::chart::Chart;
 use super::face_blocks::FaceBlock;
 use super::pairs;
+use super::points::Points;
 use super::window::HALO;
-use crate::hierarchy::Site;
 use std::ops::Range;
 
 /// A strip of a face: some columns of even vertices.
@@ -25,14 +25,48 @@ impl Strip {
     }
 
     /// Reads row `ρ` of the unfolded fine grid into two planes. `stored` is the part of it that lies inside the face,
-    /// as [`pairs`] has it; `value` finds points that the border does not hold.
+    /// as [`pairs`] has it; `points` has what the border does not hold.
     pub(super) fn read_row<const N: usize>(
         self,
         chart: &Chart,
-        border: &Border<N>,
+        (border, points): (&Border<N>, &Points<N>),
         rho: i32,
         stored: &[[i32; N]],
-        value: impl Fn(Site) -> [i32; N],
+        [a, b]: [&mut [[i32; N]]; 2],
+    ) {
+        let left = self.first - HALO;
+        let right = left + a.len() as i32 - 1;
+        // Columns whose pair lies inside the face.
+        let (from, to) = (left.max(1), right.min((stored.len() as i32 - 1).div_euclid(2)));
+        match border.sides(rho) {
+            Some([before, after]) if from <= to => {
+                if self.first == 0 {
+                    let (pairs, on_edge) = before.as_chunks::<2>();
+                    for ((pair, a), b) in pairs.iter().zip(&mut *a).zip(&mut *b) {
+                        (*a, *b) = (pair[0], pair[1]);
+                    }
+                    (a[pairs.len()], b[pairs.len()]) = (on_edge[0], stored[0]);
+                }
+                let column = (to + 1 - left) as usize;
+                put_right_side(stored, after, [&mut a[column..], &mut b[column..]]);
+            }
+            _ => self.read_around(chart, (border, points), rho, stored, [from, to], [&mut *a, &mut *b]),
+        }
+        if from <= to {
+            let columns = (from - left) as usize..(to - left + 1) as usize;
+            let stored = &stored[(2 * from - 1) as usize..(2 * to + 1) as usize];
+            pairs::split(stored, &mut a[columns.clone()], &mut b[columns]);
+        }
+    }
+
+    /// What of a row lies in no pair inside the face, which are those of columns `from..=to`; anywhere.
+    fn read_around<const N: usize>(
+        self,
+        chart: &Chart,
+        (border, points): (&Border<N>, &Points<N>),
+        rho: i32,
+        stored: &[[i32; N]],
+        [from, to]: [i32; 2],
         [a, b]: [&mut [[i32; N]]; 2],
     ) {
         let left = self.first - HALO;
@@ -44,8 +78,6 @@ impl Strip {
             plane[..(((low + 1) >> 1) - left).clamp(0, right - left + 1) as usize].fill([0; N]);
             plane[(((high + 1) >> 1) - left).clamp(0, right - left + 1) as usize..].fill([0; N]);
         }
-        // Columns whose pair lies inside the face.
-        let (from, to) = (left.max(1), right.min((stored.len() as i32 - 1).div_euclid(2)));
         let around =
             if from > to { [[low, high], [0, -1]] } else { [[low, 2 * from - 1], [2 * to + 2, high]] };
         for columns in around {
@@ -53,18 +85,13 @@ impl Strip {
                 chart,
                 rho,
                 columns,
+                points,
                 |i| stored[i as usize - 1],
-                &value,
                 |i, value| {
                     let plane = if i & 1 == 0 { &mut *a } else { &mut *b };
                     plane[((i >> 1) - left) as usize] = value;
                 },
             );
-        }
-        if from <= to {
-            let columns = (from - left) as usize..(to - left + 1) as usize;
-            let stored = &stored[(2 * from - 1) as usize..(2 * to + 1) as usize];
-            pairs::split(stored, &mut a[columns.clone()], &mut b[columns]);
         }
     }
 
@@ -108,6 +135,29 @@ impl Strip {
             }
         }
     }
+}
+
+/// What follows the last whole pair of a row inside a face, from there on in two planes: perhaps one value more inside, what
+/// stands on and beyond the edge, and zeros.
+fn put_right_side<const N: usize>(
+    stored: &[[i32; N]],
+    after: &[[i32; N]; 2 * HALO as usize + 1],
+    [a, b]: [&mut [[i32; N]]; 2],
+) {
+    let mut pairs = [[[0; N]; 2]; HALO as usize + 1];
+    let row = pairs.as_flattened_mut();
+    if stored.len().is_multiple_of(2) {
+        row[0] = stored[stored.len() - 1];
+        row[1..].copy_from_slice(after);
+    } else {
+        row[..after.len()].copy_from_slice(after);
+    }
+    let held = a.len().min(pairs.len());
+    for ((pair, a), b) in pairs.iter().zip(&mut a[..held]).zip(&mut b[..held]) {
+        (*a, *b) = (pair[0], pair[1]);
+    }
+    a[held..].fill([0; N]);
+    b[held..].fill([0; N]);
 }
 
 impl<T: Copy> FaceBlock<'_, T> {

@@ -3,13 +3,14 @@
 use super::border::Border;
 use super::chart::Chart;
 use super::face_blocks::FaceBlock;
-use super::predict::{Sum, Within};
+use super::points::Points;
+use super::predict::Sum;
 use super::stencil::PlacedStencil;
 use super::strip::Strip;
 use super::update::{Direction, Update};
 use super::window::{HALO, STRIP, Window, row_place};
 use super::{Engine, row_range, stored_details};
-use crate::hierarchy::{Layout, Site};
+use crate::hierarchy::Layout;
 use crate::wavelet::lifting::{minus, rounded};
 
 /// Rows of predicted odd vertices on their way to the storage.
@@ -34,72 +35,22 @@ impl Engine<'_> {
         let stencils = window.place(self.filters.stencil());
         let start = chart.coarse.odd_face_start(chart.face) as usize;
         let own = &details[start..];
-        let value = |site| match site {
-            // Even vertices have no details.
-            Site::Base(_) => [0; N],
-            Site::Edge { t, .. } if t % 2 == 0 => [0; N],
-            Site::Face { i, r, .. } if i % 2 == 0 && r % 2 == 0 => [0; N],
-            odd => details[chart.coarse.odd_at(odd).index()],
-        };
-        border.collect(chart, value);
+        let points = Points::odd(chart.coarse, chart.fine, details);
+        border.collect(chart, &points);
         let mut exact = true;
         for first in (0..=n).step_by(STRIP as usize) {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
             window.start(first as u32);
             for r in -HALO..=n - first + HALO {
-                self.read_details(chart, (strip, r), (window, border), own, value);
-                let used = window.used(n, r);
-                let row = window.row(r);
-                for plane in [row.h, row.v, row.d] {
-                    exact &= self.arch.dispatch(Within(plane[..used].as_flattened()));
-                }
+                read_details(chart, (strip, r), window, (border, &points), own);
                 let even = r - HALO + 1;
                 if (0..=n - first).contains(&even) {
                     self.update(chart, strip, window, even, &stencils[row_place(even)], coarser, details);
-                    self.store(chart, strip, window, even, odds, finer);
+                    exact &= self.store(chart, strip, window, even, odds, finer);
                 }
             }
         }
         exact
-    }
-
-    fn read_details<const N: usize>(
-        &self,
-        chart: &Chart,
-        (strip, r): (Strip, i32),
-        (window, border): (&mut Window<N>, &Border<N>),
-        own: &[[i32; N]],
-        value: impl Fn(Site) -> [i32; N],
-    ) {
-        let n = chart.n();
-        let left = strip.first - HALO;
-        let used = window.used(n, r);
-        let row = window.row(r);
-        let (h, odd) = (&mut row.h[..used], [&mut row.v[..used], &mut row.d[..used]]);
-        let rho = 2 * r + 1;
-        strip.read_row(chart, border, rho, &own[stored_details(chart, rho)], &value, odd);
-        // Of an even row only `H` is stored, all of it inside the face.
-        let (low, high) = chart.reach(2 * r);
-        let (low, high) = (low.div_euclid(2).max(left), high.div_euclid(2).min(left + used as i32 - 1));
-        let (from, to) = if (1..n).contains(&r) { (low.max(0), high.min(n - r - 1)) } else { (0, -1) };
-        let around = if from > to {
-            [[2 * low, 2 * high + 1], [0, -1]]
-        } else {
-            [[2 * low, 2 * from - 1], [2 * to + 2, 2 * high + 1]]
-        };
-        for columns in around {
-            let no_odds = |_| [0; N];
-            border.row(chart, 2 * r, columns, no_odds, &value, |i, value| {
-                if i & 1 == 1 {
-                    h[((i >> 1) - left) as usize] = value;
-                }
-            });
-        }
-        if from <= to {
-            let start = chart.coarse.odd_row_start(2 * r as u32) as usize;
-            h[(from - left) as usize..=(to - left) as usize]
-                .copy_from_slice(&own[start + from as usize..=start + to as usize]);
-        }
     }
 
     /// The even vertices of a row, one beyond the strip included.
@@ -131,8 +82,8 @@ impl Engine<'_> {
             part.clone().for_each(&mut border);
         }
         let run = self.regular_run(chart, r, wider);
-        let irregular = part.filter(|i| !run.contains(i));
-        for i in irregular {
+        let regular = if run.is_empty() { part.end..part.end } else { run.clone() };
+        for i in (part.start..regular.start).chain(regular.end..part.end) {
             let sum = self.filters.gather(chart.coarse, chart.even(i as u32, r as u32), details);
             let even = &mut window.row(r).e[at(i)];
             *even = minus(*even, rounded(sum));
@@ -146,7 +97,8 @@ impl Engine<'_> {
         }
     }
 
-    /// Predicts and writes row `2R` of the fine grid and the row before it.
+    /// Predicts and writes row `2R` of the fine grid and the row before it. Whether class sums of the details that were read
+    /// cannot overflow: every detail of a level is read here in some face.
     fn store<const N: usize>(
         &self,
         chart: &Chart,
@@ -155,21 +107,76 @@ impl Engine<'_> {
         r: i32,
         Odds([h, v, d]): &mut Odds<N>,
         finer: &mut FaceBlock<[i32; N]>,
-    ) {
+    ) -> bool {
         let last = window.used(chart.n(), r) - 1;
         let row = window.row(r);
         let (u, w) = (row.e[..last].as_flattened(), row.e[1..=last].as_flattened());
-        self.arch.dispatch(Sum { odd: h.as_flattened_mut(), detail: row.h.as_flattened(), u, w });
+        let mut exact =
+            self.arch.dispatch(Sum { odd: h.as_flattened_mut(), detail: row.h.as_flattened(), u, w });
         write(chart, strip, 2 * r, [row.e, h], finer);
         if r > 0 {
             let last = window.used(chart.n(), r - 1) - 1;
             let (upper, lower, row) = window.between(r - 1);
             let (u, w) = (upper[..last].as_flattened(), lower[..last].as_flattened());
-            self.arch.dispatch(Sum { odd: v.as_flattened_mut(), detail: row.v.as_flattened(), u, w });
+            exact &=
+                self.arch.dispatch(Sum { odd: v.as_flattened_mut(), detail: row.v.as_flattened(), u, w });
             let (u, w) = (upper[1..=last].as_flattened(), lower[..last].as_flattened());
-            self.arch.dispatch(Sum { odd: d.as_flattened_mut(), detail: row.d.as_flattened(), u, w });
+            exact &=
+                self.arch.dispatch(Sum { odd: d.as_flattened_mut(), detail: row.d.as_flattened(), u, w });
             write(chart, strip, 2 * r - 1, [v, d], finer);
         }
+        exact
+    }
+}
+
+/// Reads the details of row `2R` of the unfolded fine grid and of the row after it.
+fn read_details<const N: usize>(
+    chart: &Chart,
+    (strip, r): (Strip, i32),
+    window: &mut Window<N>,
+    (border, points): (&Border<N>, &Points<N>),
+    own: &[[i32; N]],
+) {
+    let n = chart.n();
+    let left = strip.first - HALO;
+    let used = window.used(n, r);
+    let row = window.row(r);
+    let (h, odd) = (&mut row.h[..used], [&mut row.v[..used], &mut row.d[..used]]);
+    let rho = 2 * r + 1;
+    strip.read_row(chart, (border, points), rho, &own[stored_details(chart, rho)], odd);
+    // Of an even row only `H` is stored, all of it inside the face.
+    let (low, high) = chart.reach(2 * r);
+    let (low, high) = (low.div_euclid(2).max(left), high.div_euclid(2).min(left + used as i32 - 1));
+    let (from, to) = if (1..n).contains(&r) { (low.max(0), high.min(n - r - 1)) } else { (0, -1) };
+    match border.sides(2 * r) {
+        Some([before, after]) if from <= to => {
+            if strip.first == 0 {
+                h.iter_mut().zip(before.as_chunks::<2>().0).for_each(|(h, pair)| *h = pair[1]);
+            }
+            let (pairs, _) = after.as_chunks::<2>();
+            let beyond = pairs.iter().map(|pair| pair[1]).chain(std::iter::repeat([0; N]));
+            h[(to + 1 - left) as usize..].iter_mut().zip(beyond).for_each(|(h, value)| *h = value);
+        }
+        _ => {
+            let around = if from > to {
+                [[2 * low, 2 * high + 1], [0, -1]]
+            } else {
+                [[2 * low, 2 * from - 1], [2 * to + 2, 2 * high + 1]]
+            };
+            for columns in around {
+                let no_odds = |_| [0; N];
+                border.row(chart, 2 * r, columns, points, no_odds, |i, value| {
+                    if i & 1 == 1 {
+                        h[((i >> 1) - left) as usize] = value;
+                    }
+                });
+            }
+        }
+    }
+    if from <= to {
+        let start = chart.coarse.odd_row_start(2 * r as u32) as usize;
+        h[(from - left) as usize..=(to - left) as usize]
+            .copy_from_slice(&own[start + from as usize..=start + to as usize]);
     }
 }
 

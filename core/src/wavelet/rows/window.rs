@@ -96,6 +96,7 @@ impl<const N: usize> Window<N> {
         self.first = first as i32;
     }
 
+    #[inline]
     fn row_start(&self, r: i32) -> usize {
         row_place(r) * self.columns
     }
@@ -116,6 +117,7 @@ impl<const N: usize> Window<N> {
     }
 
     /// Row `r` of all planes.
+    #[inline]
     pub(super) fn row(&mut self, r: i32) -> RowMut<'_, N> {
         let at = self.row_start(r);
         let (h, rest) = self.details.split_at_mut(ROWS * self.columns);
@@ -130,6 +132,7 @@ impl<const N: usize> Window<N> {
     }
 
     /// The even vertices of rows `r` and `r + 1`, and row `r` of the two planes between them.
+    #[inline]
     pub(super) fn between(&mut self, r: i32) -> (&[[i32; N]], &[[i32; N]], RowMut<'_, N>) {
         let (at, below) = (self.row_start(r), self.row_start(r + 1));
         let (h, rest) = self.details.split_at_mut(ROWS * self.columns);
@@ -158,6 +161,7 @@ impl<const N: usize> Window<N> {
 }
 
 /// Where a window keeps a row.
+#[inline]
 pub(super) fn row_place(r: i32) -> usize {
     r.rem_euclid(ROWS as i32) as usize
 }
