@@ -1,7 +1,7 @@
 //! Integers added to coefficients of several levels, and the same packed for the history.
 //!
 //! Packed, a set of deltas takes a few bytes a coefficient: gaps between sorted indices and zigzagged components as
-//! variable-length integers, then DEFLATE. The bytes stand behind a shared handle, so that whoever keeps the history can
+//! variable-length integers, then DEFLATE unless they are few. The bytes stand behind a shared handle, so that whoever keeps the history can
 //! move them elsewhere.
 
 use crate::disk::Stored;
@@ -69,9 +69,9 @@ pub type MaskChange = (Slot, u8, u8);
 impl Packed {
     /// Packs, with the edit's words as text before them. Linear in what there is.
     pub fn new(words: &[u8], deltas: &Deltas, mask: &[MaskChange]) -> Self {
-        let mut out = Out(DeflateEncoder::new(Vec::new(), Compression::fast()));
+        let mut out = Out::Plain(vec![PLAIN]);
         out.number(words.len() as u64);
-        out.0.write_all(words).expect("memory takes every byte");
+        out.write(words);
         let (level, scaling) = match &deltas.scaling {
             Some((level, of_level)) => (u64::from(level.0), of_level.as_slice()),
             None => (0, [].as_slice()),
@@ -98,7 +98,7 @@ impl Packed {
             out.number(u64::from(slot.0 - last));
             last = slot.0;
         }
-        let bytes = out.0.finish().expect("memory takes every byte");
+        let bytes = out.finish();
         Self { bytes: Arc::new(Mutex::new(Box::new(bytes))) }
     }
 
@@ -109,7 +109,7 @@ impl Packed {
     pub fn unpack(&self) -> std::io::Result<(Deltas, Vec<MaskChange>)> {
         let bytes = self.bytes.lock().expect("nobody panics while holding it").read()?;
         let mut plain = Vec::new();
-        DeflateDecoder::new(bytes.as_slice()).read_to_end(&mut plain)?;
+        opened(&bytes).read_to_end(&mut plain)?;
         let mut input = In(plain.iter());
         let words = input.number() as usize;
         let mut input = In(input.0.as_slice()[words..].iter());
@@ -146,7 +146,7 @@ impl Packed {
     /// The bytes were moved elsewhere and cannot be read.
     pub fn words(&self) -> std::io::Result<Vec<u8>> {
         let bytes = self.bytes.lock().expect("nobody panics while holding it").read()?;
-        let mut input = DeflateDecoder::new(bytes.as_slice());
+        let mut input = opened(&bytes);
         let (mut len, mut shift, mut byte) = (0, 0, [0x80]);
         while byte[0] >= 0x80 {
             input.read_exact(&mut byte)?;
@@ -178,17 +178,58 @@ impl Packed {
     }
 }
 
-struct Out(DeflateEncoder<Vec<u8>>);
+/// The first byte of packed bytes, before plain ones and before deflated ones.
+const PLAIN: u8 = 0;
+const DEFLATED: u8 = 1;
+
+/// As many bytes are kept plain: making a deflater ready takes longer than most edits of a few coefficients.
+const FEW: usize = 512;
+
+/// What was packed, to be read.
+fn opened(bytes: &[u8]) -> Box<dyn Read + '_> {
+    match bytes.split_first() {
+        Some((&DEFLATED, rest)) => Box::new(DeflateDecoder::new(rest)),
+        Some((_, rest)) => Box::new(rest),
+        None => Box::new(bytes),
+    }
+}
+
+enum Out {
+    Plain(Vec<u8>),
+    Deflated(DeflateEncoder<Vec<u8>>),
+}
 
 impl Out {
-    fn number(&mut self, mut x: u64) {
-        let mut bytes = Vec::with_capacity(10);
-        while x >= 0x80 {
-            bytes.push(x as u8 | 0x80);
-            x >>= 7;
+    fn write(&mut self, more: &[u8]) {
+        match self {
+            Out::Plain(bytes) if bytes.len() + more.len() <= FEW => bytes.extend_from_slice(more),
+            Out::Plain(bytes) => {
+                let mut encoder = DeflateEncoder::new(vec![DEFLATED], Compression::fast());
+                for part in [&bytes[1..], more] {
+                    encoder.write_all(part).expect("memory takes every byte");
+                }
+                *self = Out::Deflated(encoder);
+            }
+            Out::Deflated(encoder) => encoder.write_all(more).expect("memory takes every byte"),
         }
-        bytes.push(x as u8);
-        self.0.write_all(&bytes).expect("memory takes every byte");
+    }
+
+    fn finish(self) -> Vec<u8> {
+        match self {
+            Out::Plain(bytes) => bytes,
+            Out::Deflated(encoder) => encoder.finish().expect("memory takes every byte"),
+        }
+    }
+
+    fn number(&mut self, mut x: u64) {
+        let (mut bytes, mut len) = ([0; 10], 0);
+        while x >= 0x80 {
+            bytes[len] = x as u8 | 0x80;
+            x >>= 7;
+            len += 1;
+        }
+        bytes[len] = x as u8;
+        self.write(&bytes[..=len]);
     }
 
     fn vectors(&mut self, sorted: impl ExactSizeIterator<Item = (u32, Vector)>) {
@@ -239,6 +280,21 @@ impl In<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Whether few enough to be kept plain or not, and just at the border.
+    #[test]
+    fn words_of_any_length_come_back() {
+        for len in [0, 1, 127, 128, FEW - 20, FEW - 10, FEW - 9, FEW - 8, FEW - 5, FEW, 3 * FEW] {
+            let words: Vec<u8> = (0..len).map(|at| at as u8).collect();
+            let deltas =
+                Deltas { scaling: Some((Level(2), vec![(Slot(5), [4, -4, 300])])), ..Deltas::default() };
+            let packed = Packed::new(&words, &deltas, &[]);
+            assert_eq!(packed.words().expect("in memory"), words);
+            assert_eq!(packed.unpack().expect("in memory").0, deltas, "{len}");
+            let first = packed.handle().lock().expect("free").read().expect("in memory")[0];
+            assert_eq!(first == DEFLATED, len > FEW - 15, "{len}");
+        }
+    }
 
     #[test]
     fn what_is_packed_comes_back() {

@@ -220,7 +220,7 @@ impl Layout {
     #[inline]
     pub fn resolve_odd(&self, face: u32, b: [i32; 3]) -> Option<Odd> {
         // Nearly all are asked for inside the face or one that shares an edge with it.
-        let site = match self.inside_or_beside(face, b) {
+        let site = match self.within_or_beside(face, b) {
             Some(site) => site,
             None => {
                 let (face, b) = self.unfold(face, b)?;
@@ -230,9 +230,9 @@ impl Layout {
         Some(self.odd_at(site))
     }
 
-    /// The site of barycentric coordinates of any level inside a face or inside one that shares an edge with it.
+    /// The site of barycentric coordinates of any level inside a face, inside one of its edges or inside a face across one.
     #[inline(always)]
-    pub(crate) fn inside_or_beside(&self, face: u32, b: [i32; 3]) -> Option<Site> {
+    pub(crate) fn within_or_beside(&self, face: u32, b: [i32; 3]) -> Option<Site> {
         let [b0, i, r] = b;
         // Seen from across an edge: `h` from it, along it `p` and `q` from its ends.
         let (k, p, q, h) = match (b0 > 0, i > 0, r > 0) {
@@ -242,8 +242,13 @@ impl Layout {
             (true, false, true) => (2, r + i, b0 + i, -i),
             _ => return None,
         };
-        if p <= 0 || q <= 0 || h == 0 {
+        if p <= 0 || q <= 0 {
             return None;
+        }
+        if h == 0 {
+            let edge = self.base.face_edges(face)[usize::from(k)];
+            let from_low = self.base.edges()[edge as usize][0] == self.corner(face, k);
+            return Some(Site::Edge { edge, t: if from_low { q } else { p } as u32 });
         }
         let side = self.base.across(face, k)?;
         let (i, r) = match side.k {

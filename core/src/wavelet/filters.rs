@@ -29,6 +29,7 @@ pub struct ValenceTooHigh {
 #[derive(Debug, Default)]
 struct ExplicitRows {
     rows: FxHashMap<u32, (u32, u32)>,
+    /// Those of a row by odd vertex.
     taps: Vec<(Odd, i32)>,
 }
 
@@ -96,13 +97,20 @@ impl Filters {
 
     /// [`Filters::gather`] for details within [`crate::surface::LIMIT`], of which a class of taps adds within 32 bits.
     pub fn sum_within_limit<const N: usize>(&self, layout: &Layout, site: Site, d: &[[i32; N]]) -> [i64; N] {
-        let reach = self.wavelet.reach() as u32;
-        let Site::Face { face, i, r } = site else { return self.gather(layout, site, d) };
-        let inside = 2 * i > reach && 2 * r > reach && 2 * (layout.segments() - i - r) > reach;
-        if self.wavelet == Wavelet::Lazy || !inside || !is_regular(layout, site, self.wavelet) {
-            return self.gather(layout, site, d);
+        if self.wavelet == Wavelet::Lazy {
+            return [0; N];
         }
-        self.stencil.sum_inside(layout, face, [i, r], d)
+        if let Some(row) = self.explicit_row(layout, site) {
+            return explicit_sum(row, d);
+        }
+        let reach = self.wavelet.reach() as u32;
+        let (face, b) = layout.chart(site);
+        let at = [b[1], b[2]];
+        if b.iter().all(|&b| 2 * b > reach) {
+            self.stencil.sum_inside(layout, face, at, d)
+        } else {
+            self.stencil.sum_across(layout, face, at, d)
+        }
     }
 
     /// The taps of an irregular even vertex.
@@ -153,8 +161,8 @@ impl Filters {
 
 /// `Σ w d` over the taps of one row.
 fn explicit_sum<const N: usize>(row: &[(Odd, i32)], d: &[[i32; N]]) -> [i64; N] {
-    // Three channels are read four at a time, which the last detail does not allow.
-    let end = row.iter().map(|(odd, _)| 3 * odd.index() + 4).max().unwrap_or(0);
+    // Three channels are read four at a time, which the last detail does not allow. Taps are in order.
+    let end = row.last().map_or(0, |(odd, _)| 3 * odd.index() + 4);
     if N == 3 && end <= 3 * d.len() {
         let sum = Arch::new().dispatch(FourLanes { row, d: d.as_flattened() });
         return std::array::from_fn(|c| sum[c]);

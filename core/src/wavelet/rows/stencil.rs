@@ -40,22 +40,44 @@ impl Stencil {
         [i, r]: [u32; 2],
         d: &[[i32; N]],
     ) -> [i64; N] {
-        // Where the taps of each row are counted from: of an odd row all vertices are odd ones, of an even every second.
-        let start = layout.odd_face_start(face);
-        let mut rows = [0; 2 * REACH + 1];
-        for (dr, row) in (0..).zip(&mut rows) {
-            let r = (2 * r + dr).wrapping_sub(REACH as u32);
-            if r.wrapping_sub(1) < 2 * layout.segments() {
-                let first = if r % 2 == 1 { 2 * i } else { i + 1 };
-                *row = start + layout.odd_row_start(r) + first - 1;
+        let rows = rows_inside(layout, face, [i, r]);
+        self.sum(d, |tap| {
+            let (row, along) = tap.in_row();
+            rows[(row + REACH as i32) as usize].wrapping_add_signed(along)
+        })
+    }
+
+    /// [`Stencil::sum_inside`] for any even vertex around which the grid goes on as the regular lattice does.
+    pub(crate) fn sum_across<const N: usize>(
+        &self,
+        layout: &Layout,
+        face: u32,
+        [i, r]: [u32; 2],
+        d: &[[i32; N]],
+    ) -> [i64; N] {
+        let rows = rows_inside(layout, face, [i, r]);
+        let n = 2 * layout.segments() as i32;
+        self.sum(d, |tap| {
+            let [dr, di] = tap.steps();
+            let (i, r) = (2 * i as i32 + di, 2 * r as i32 + dr);
+            if i > 0 && r > 0 && i + r < n {
+                let (row, along) = tap.in_row();
+                return rows[(row + REACH as i32) as usize].wrapping_add_signed(along);
             }
-        }
+            let odd = layout.resolve_odd(face, [n - i - r, i, r]);
+            odd.expect("a regular vertex's stencil stays on the surface").0
+        })
+    }
+
+    /// `Σ w d` over taps that are found somehow.
+    #[inline(always)]
+    fn sum<const N: usize>(&self, d: &[[i32; N]], odd: impl Fn(Place) -> u32) -> [i64; N] {
         let mut total = [0i64; N];
         for (weight, taps) in &self.sixes {
-            add_class(&mut total, *weight, taps, &rows, d);
+            add_class(&mut total, *weight, taps, &odd, d);
         }
         for (weight, taps) in &self.twelves {
-            add_class(&mut total, *weight, taps, &rows, d);
+            add_class(&mut total, *weight, taps, &odd, d);
         }
         total
     }
@@ -69,18 +91,32 @@ impl Stencil {
     }
 }
 
-#[inline]
+/// Where the taps of each row are counted from, for an even vertex of a face: of an odd row all vertices are odd ones, of an
+/// even every second. Of no use for taps outside the face.
+fn rows_inside(layout: &Layout, face: u32, [i, r]: [u32; 2]) -> [u32; 2 * REACH + 1] {
+    let start = layout.odd_face_start(face);
+    let mut rows = [0; 2 * REACH + 1];
+    for (dr, row) in (0..).zip(&mut rows) {
+        let r = (2 * r + dr).wrapping_sub(REACH as u32);
+        if r.wrapping_sub(1) < 2 * layout.segments() {
+            let first = if r % 2 == 1 { 2 * i } else { i + 1 };
+            *row = (start + layout.odd_row_start(r) + first).wrapping_sub(1);
+        }
+    }
+    rows
+}
+
+#[inline(always)]
 fn add_class<const N: usize>(
     total: &mut [i64; N],
     weight: i32,
     taps: &[Place],
-    rows: &[u32; 2 * REACH + 1],
+    odd: impl Fn(Place) -> u32,
     d: &[[i32; N]],
 ) {
     let mut sum = [0i32; N];
-    for tap in taps {
-        let (row, along) = tap.in_row();
-        let d = &d[rows[(row + REACH as i32) as usize].wrapping_add_signed(along) as usize];
+    for &tap in taps {
+        let d = &d[odd(tap) as usize];
         for c in 0..N {
             sum[c] = sum[c].wrapping_add(d[c]);
         }

@@ -48,6 +48,17 @@ impl Place {
         Self { plane, i: di.div_euclid(2), r: dr.div_euclid(2) }
     }
 
+    /// `(dr, di)` in steps of level j + 1.
+    #[inline(always)]
+    pub(super) fn steps(self) -> [i32; 2] {
+        let (dr, di) = match self.plane {
+            Plane::H => (0, 1),
+            Plane::V => (1, 0),
+            Plane::D => (1, 1),
+        };
+        [2 * self.r + dr, 2 * self.i + di]
+    }
+
     /// The row at level j + 1, and how many stored odd vertices along it: of an even row every second is odd.
     #[inline(always)]
     pub(super) fn in_row(self) -> (i32, i32) {
