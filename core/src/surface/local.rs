@@ -86,7 +86,7 @@ impl Surface {
                 }
             }
         }
-        let mut ends = Vec::new();
+        let mut ends = Vec::with_capacity(2 * odds.members().len());
         for &(odd, site) in odds.members() {
             let finer = &self.scaling[level.index() + 1];
             let parents = coarse.parents(site);
@@ -102,7 +102,7 @@ impl Surface {
         if let Some(k) = self.form.wavelet.disc_radius() {
             spread(coarse, &ends, k, odds, evens);
         }
-        let mut steps = Vec::new();
+        let mut steps = Vec::with_capacity(evens.members().len());
         for &(slot, site) in evens.members() {
             let finer = self.scaling[level.index() + 1][fine.slot(Layout::refine(site)).index()];
             let sum = self.filters.sum_within_limit(coarse, site, &self.wavelets[level.index()]);
