@@ -33,9 +33,16 @@ pub fn detect(
     let mut at = Connectivity::build(vertex_count, faces.to_vec())?;
     let mut steps: Vec<Midpoints> = Vec::new();
     while steps.len() < usize::from(most_levels.min(super::FINEST_LEVEL)) {
-        let Some((coarse, midpoints)) = coarsen(&at) else { break };
-        at = coarse;
-        steps.push(midpoints);
+        match coarsen(at) {
+            Coarsened::Done(coarse, midpoints) => {
+                at = coarse;
+                steps.push(midpoints);
+            }
+            Coarsened::Not(same) => {
+                at = same;
+                break;
+            }
+        }
     }
     if steps.is_empty() {
         return Ok(None);
@@ -73,18 +80,57 @@ enum Label {
     Odd,
 }
 
-/// One step back. Vertex indices stay those of the triangle list.
-fn coarsen(mesh: &Connectivity) -> Option<(Connectivity, Midpoints)> {
+/// What came of one step back.
+enum Coarsened {
+    /// The coarser mesh, and the vertices between its own.
+    Done(Connectivity, Midpoints),
+    /// The mesh as it was.
+    Not(Connectivity),
+}
+
+/// One step back. Vertex indices stay those of the triangle list. The relations of the finer mesh are let go before those of
+/// the coarser are made, for together they would take more memory than all else.
+fn coarsen(mesh: Connectivity) -> Coarsened {
+    let Some(middles) = middle_faces(&mesh) else { return Coarsened::Not(mesh) };
+    let (vertex_count, finer) = (mesh.vertex_count(), mesh.into_faces());
+    let midpoints = middles.midpoints(&finer);
+    let coarse = midpoints.and_then(|midpoints| {
+        let coarse = Connectivity::build(vertex_count, middles.coarse).ok()?;
+        base_mesh::is_simplicial(&coarse).then_some((coarse, midpoints))
+    });
+    match coarse {
+        Some((coarse, midpoints)) => Coarsened::Done(coarse, midpoints),
+        None => {
+            let again = Connectivity::build(vertex_count, finer);
+            Coarsened::Not(again.expect("it was built of these faces before"))
+        }
+    }
+}
+
+/// The faces between three midpoints.
+struct Middles {
+    faces: Vec<u32>,
+    /// The coarse face around each: its corner `k` is opposite edge `k` of the middle face.
+    coarse: Vec<[u32; 3]>,
+    /// Midpoints on the boundary, in order.
+    on_boundary: Vec<u32>,
+}
+
+/// The faces that lie in the middle of coarse ones, if all do or beside one that does.
+fn middle_faces(mesh: &Connectivity) -> Option<Middles> {
     if !mesh.faces().len().is_multiple_of(4) {
         return None;
     }
     let labels = label(mesh)?;
-    let mut faces = Vec::with_capacity(mesh.faces().len() / 4);
-    let mut midpoints = Vec::with_capacity(labels.iter().filter(|&&label| label == Label::Odd).count());
+    let count = mesh.faces().len() / 4;
+    let mut middles = Middles {
+        faces: Vec::with_capacity(count),
+        coarse: Vec::with_capacity(count),
+        on_boundary: Vec::new(),
+    };
     let mut corners_used = 0usize;
     for (f, face) in mesh.faces().iter().enumerate() {
-        let evens = face.iter().filter(|&&v| labels[v as usize] == Label::Even).count();
-        match evens {
+        match face.iter().filter(|&&v| labels[v as usize] == Label::Even).count() {
             1 => corners_used += 1,
             0 => {
                 let mut coarse = [0; 3];
@@ -99,32 +145,38 @@ fn coarsen(mesh: &Connectivity) -> Option<(Connectivity, Midpoints)> {
                         return None;
                     }
                 }
-                // Edge k of the middle face joins corners k and k + 1; corner k + 1 is shared by edges k and k + 1,
-                // so it halves the coarse edge between the corners opposite those edges.
-                for k in 0..3 {
-                    let (a, b) = (coarse[k], coarse[(k + 1) % 3]);
-                    let middle = face[(k + 1) % 3];
-                    // Of the two sides of an inner edge one goes up.
-                    if a < b || mesh.is_boundary(middle) {
-                        midpoints.push([a.min(b), a.max(b), middle]);
-                    }
-                }
-                faces.push(coarse);
+                middles.faces.push(f as u32);
+                middles.coarse.push(coarse);
+                middles.on_boundary.extend(face.iter().filter(|&&v| mesh.is_boundary(v)));
             }
             _ => return None,
         }
     }
-    if corners_used != 3 * faces.len() {
-        return None;
+    middles.on_boundary.sort_unstable();
+    (corners_used == 3 * middles.faces.len()).then_some(middles)
+}
+
+impl Middles {
+    /// The midpoints of the coarse edges; `None` if two edges have the same ends, which makes no simplicial mesh.
+    fn midpoints(&self, finer: &[[u32; 3]]) -> Option<Midpoints> {
+        let inner = (3 * self.coarse.len()).saturating_sub(self.on_boundary.len());
+        let mut midpoints = Vec::with_capacity(inner / 2 + self.on_boundary.len());
+        for (&middle, coarse) in self.faces.iter().zip(&self.coarse) {
+            // Edge k of the middle face joins corners k and k + 1; corner k + 1 is shared by edges k and k + 1, so it halves
+            // the coarse edge between the corners opposite those edges.
+            for k in 0..3 {
+                let (a, b) = (coarse[k], coarse[(k + 1) % 3]);
+                let middle = finer[middle as usize][(k + 1) % 3];
+                // Of the two sides of an inner edge one goes up.
+                if a < b || self.on_boundary.binary_search(&middle).is_ok() {
+                    midpoints.push([a.min(b), a.max(b), middle]);
+                }
+            }
+        }
+        midpoints.par_sort_unstable();
+        let twice = midpoints.windows(2).any(|pair| pair[0][..2] == pair[1][..2]);
+        (!twice).then_some(Midpoints(midpoints))
     }
-    drop(labels);
-    midpoints.par_sort_unstable();
-    // Several edges between the same ends make no simplicial mesh.
-    if midpoints.windows(2).any(|pair| pair[0][..2] == pair[1][..2]) {
-        return None;
-    }
-    let coarse = Connectivity::build(mesh.vertex_count(), faces).ok()?;
-    base_mesh::is_simplicial(&coarse).then_some((coarse, Midpoints(midpoints)))
 }
 
 /// Even and odd labels of all vertices that faces use, or `None` if no consistent labelling exists.

@@ -14,7 +14,7 @@ use ply_rs_bw::ply::{
 };
 
 use super::error::excerpt;
-use super::polygon::triangulate;
+use super::polygon::Polygons;
 use super::text::{Decimal, Lines, check_coordinate, index_from_zero};
 use super::watch::Watch;
 use super::{Defect, Parsed, Place, with_room};
@@ -34,8 +34,8 @@ fn parse_unguarded(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
     let vertices = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
     let mut positions: Vec<[f64; 3]> = with_room(vertices)?;
     let faces = header.elements.get("face").map_or(0, |face| face.count);
-    let mut corners: Vec<u32> = with_room(faces.saturating_mul(3))?;
-    let mut arities: Vec<u32> = with_room(faces)?;
+    let mut polygons = Polygons::with_room(faces)?;
+    let mut corners: Vec<u32> = Vec::new();
 
     let mut source = Source { header: &header, payload, lines: Lines::after(payload, lines) };
     for definition in header.elements.values() {
@@ -48,14 +48,14 @@ fn parse_unguarded(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
                 }
                 "face" => {
                     let (place, face): (Place, Face) = source.element(definition, index)?;
-                    let arity = face.push_corners(vertices as u64, &mut corners);
-                    arities.push(arity.map_err(|defect| (place, defect))?);
+                    face.check(vertices as u64, &mut corners).map_err(|defect| (place, defect))?;
+                    polygons.push(&corners);
                 }
                 _ => drop(source.element::<Skipped>(definition, index)?),
             }
         }
     }
-    let faces = triangulate(&positions, &corners, &arities)?;
+    let faces = polygons.into_triangles(&positions)?;
     Ok(TriangleMesh { positions, faces })
 }
 
@@ -166,16 +166,17 @@ impl PropertyAccess for Vertex {
 struct Face(Vec<i64>);
 
 impl Face {
-    /// Appends the checked corners and returns how many there are.
-    fn push_corners(&self, vertices: u64, corners: &mut Vec<u32>) -> Result<u32, Defect> {
+    /// Checks the corners and puts them in place of those of the face before.
+    fn check(&self, vertices: u64, corners: &mut Vec<u32>) -> Result<(), Defect> {
         let found = self.0.len() as u64;
         if found < 3 {
             return Err(Defect::TooFewCorners { found });
         }
+        corners.clear();
         for &index in &self.0 {
             corners.push(index_from_zero(index, vertices)?);
         }
-        Ok(self.0.len() as u32)
+        Ok(())
     }
 }
 

@@ -16,6 +16,47 @@ use super::{Defect, LARGEST_COUNT, Parsed, Place, with_room};
 /// absurd polygons rather than let it hold the program for hours.
 const EAR_TEST_BUDGET: u64 = 1 << 30;
 
+/// The polygons of a file in the making. While all are triangles they are kept as the mesh has them, once.
+pub(super) struct Polygons {
+    triangles: Vec<[u32; 3]>,
+    /// Corners and arities from the first polygon on that is none.
+    corners: Vec<u32>,
+    arities: Vec<u32>,
+}
+
+impl Polygons {
+    /// Room for so many triangles.
+    pub(super) fn with_room(count: usize) -> Parsed<Self> {
+        Ok(Self { triangles: with_room(count)?, corners: Vec::new(), arities: Vec::new() })
+    }
+
+    /// Adds a polygon with three corners at least.
+    pub(super) fn push(&mut self, polygon: &[u32]) {
+        match *polygon {
+            [a, b, c] if self.arities.is_empty() => self.triangles.push([a, b, c]),
+            _ => {
+                self.corners.extend_from_slice(polygon);
+                self.arities.push(polygon.len() as u32);
+            }
+        }
+    }
+
+    /// All as triangles, as [`triangulate`] cuts them.
+    pub(super) fn into_triangles(self, positions: &[[f64; 3]]) -> Parsed<Vec<[u32; 3]>> {
+        let Self { triangles: mut faces, corners, arities } = self;
+        if arities.is_empty() {
+            return Ok(faces);
+        }
+        let cut = triangulate(positions, &corners, &arities)?;
+        if faces.len() as u64 + cut.len() as u64 > LARGEST_COUNT {
+            return Err((Place::Whole, Defect::TooMany { what: "faces" }));
+        }
+        faces.try_reserve_exact(cut.len()).map_err(|_| (Place::Whole, Defect::OutOfMemory))?;
+        faces.extend(cut);
+        Ok(faces)
+    }
+}
+
 /// Cuts the polygons whose corners stand one after another in `corners`, `arities[i]` for polygon `i`,
 /// into triangles. Every corner must be an index into `positions`; every arity at least 3.
 pub(super) fn triangulate(positions: &[[f64; 3]], corners: &[u32], arities: &[u32]) -> Parsed<Vec<[u32; 3]>> {
@@ -173,6 +214,20 @@ mod tests {
         assert!(areas.iter().all(|&area| area > 0.0), "{areas:?}");
         let expected = 0.5 * f64::from(corners) * 0.15 * (std::f64::consts::TAU / f64::from(corners)).sin();
         assert!((areas.iter().sum::<f64>() - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn polygons_among_triangles_keep_their_places() {
+        let positions: Vec<[f64; 3]> = (0..6).map(|k| [f64::from(k), f64::from(k * k), 0.0]).collect();
+        let files: [&[&[u32]]; 4] =
+            [&[&[0, 1, 2], &[2, 1, 3]], &[&[0, 1, 2], &[0, 1, 2, 3], &[3, 4, 5]], &[&[0, 1, 2, 3, 4]], &[]];
+        for polygons in files {
+            let mut together = Polygons::with_room(polygons.len()).unwrap();
+            polygons.iter().for_each(|polygon| together.push(polygon));
+            let arities: Vec<u32> = polygons.iter().map(|polygon| polygon.len() as u32).collect();
+            let expected = triangulate(&positions, &polygons.concat(), &arities).unwrap();
+            assert_eq!(together.into_triangles(&positions).unwrap(), expected);
+        }
     }
 
     #[test]

@@ -61,6 +61,7 @@ pub struct Connectivity {
     faces: Vec<[u32; 3]>,
     twins: Vec<u32>,
     outgoing: Vec<u32>,
+    /// Empty if there is one component.
     component_of_face: Vec<u32>,
     components: u32,
 }
@@ -84,8 +85,8 @@ impl Connectivity {
             }
         }
         let mut twins = edge_pairs(vertex_count, &faces)?;
-        let Components { of_face: component_of_face, count: components, turned } =
-            orient(&mut faces, &twins)?;
+        let Components { of_face, count: components, turned } = orient(&mut faces, &twins)?;
+        let component_of_face = if components > 1 { of_face } else { Vec::new() };
         if turned {
             // Turning a face renumbers its half-edges, so the pairs are found once more.
             drop(twins);
@@ -100,6 +101,11 @@ impl Connectivity {
         &self.faces
     }
 
+    /// The faces alone: [`Connectivity::build`] makes the rest of them again.
+    pub fn into_faces(self) -> Vec<[u32; 3]> {
+        self.faces
+    }
+
     /// The number of connected components that have faces.
     pub fn components(&self) -> u32 {
         self.components
@@ -107,7 +113,7 @@ impl Connectivity {
 
     /// The component of each face, numbered by lowest face.
     pub fn component_of_face(&self, face: u32) -> u32 {
-        self.component_of_face[face as usize]
+        self.component_of_face.get(face as usize).copied().unwrap_or(0)
     }
 
     /// The number of vertex slots, used or not.
