@@ -63,6 +63,7 @@ impl Engine<'_> {
     }
 
     /// Makes details of row `r` of `H` and of the row before it of `V` and `D`.
+    #[inline(always)]
     fn predict<const N: usize>(&self, window: &mut Window<N>, n: i32, r: i32) -> bool {
         let last = window.used(n, r) - 1;
         let row = window.row(r);
@@ -79,6 +80,7 @@ impl Engine<'_> {
         exact
     }
 
+    #[inline(always)]
     fn store_details<const N: usize>(
         &self,
         chart: &Chart,
@@ -117,6 +119,7 @@ impl Engine<'_> {
     }
 }
 
+#[inline(always)]
 fn store_evens<const N: usize>(
     chart: &Chart,
     strip: Strip,

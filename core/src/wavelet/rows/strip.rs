@@ -26,6 +26,7 @@ impl Strip {
 
     /// Reads row `ρ` of the unfolded fine grid into two planes. `stored` is the part of it that lies inside the face,
     /// as [`pairs`] has it; `points` has what the border does not hold.
+    #[inline(always)]
     pub(super) fn read_row<const N: usize>(
         self,
         chart: &Chart,
@@ -60,6 +61,7 @@ impl Strip {
     }
 
     /// What of a row lies in no pair inside the face, which are those of columns `from..=to`; anywhere.
+    #[inline(never)]
     fn read_around<const N: usize>(
         self,
         chart: &Chart,
@@ -97,6 +99,7 @@ impl Strip {
 
     /// Writes the strip's share of a row `ρ` of the face's fine grid from two planes: its inside to `stored`, border
     /// points to `border`. Corners of the face are left out.
+    #[inline(always)]
     pub(super) fn write_row<const N: usize>(
         self,
         chart: &Chart,
@@ -139,25 +142,21 @@ impl Strip {
 
 /// What follows the last whole pair of a row inside a face, from there on in two planes: perhaps one value more inside, what
 /// stands on and beyond the edge, and zeros.
+#[inline(always)]
 fn put_right_side<const N: usize>(
     stored: &[[i32; N]],
     after: &[[i32; N]; 2 * HALO as usize + 1],
     [a, b]: [&mut [[i32; N]]; 2],
 ) {
-    let mut pairs = [[[0; N]; 2]; HALO as usize + 1];
-    let row = pairs.as_flattened_mut();
-    if stored.len().is_multiple_of(2) {
-        row[0] = stored[stored.len() - 1];
-        row[1..].copy_from_slice(after);
-    } else {
-        row[..after.len()].copy_from_slice(after);
+    // One more at the front, or a zero at the end.
+    let shift = usize::from(stored.len().is_multiple_of(2));
+    let value = |place: usize| match place.checked_sub(shift) {
+        Some(beyond) => after.get(beyond).copied().unwrap_or([0; N]),
+        None => stored[stored.len() - 1],
+    };
+    for (pair, (a, b)) in a.iter_mut().zip(b).enumerate() {
+        (*a, *b) = (value(2 * pair), value(2 * pair + 1));
     }
-    let held = a.len().min(pairs.len());
-    for ((pair, a), b) in pairs.iter().zip(&mut a[..held]).zip(&mut b[..held]) {
-        (*a, *b) = (pair[0], pair[1]);
-    }
-    a[held..].fill([0; N]);
-    b[held..].fill([0; N]);
 }
 
 impl<T: Copy> FaceBlock<'_, T> {

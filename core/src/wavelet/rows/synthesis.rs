@@ -130,6 +130,7 @@ impl Engine<'_> {
 }
 
 /// Reads the details of row `2R` of the unfolded fine grid and of the row after it.
+#[inline(always)]
 fn read_details<const N: usize>(
     chart: &Chart,
     (strip, r): (Strip, i32),
@@ -180,6 +181,7 @@ fn read_details<const N: usize>(
     }
 }
 
+#[inline(always)]
 fn write<const N: usize>(
     chart: &Chart,
     strip: Strip,
