@@ -26,7 +26,7 @@ def chunks(data):
     """Yields (type, critical, payload) up to the first chunk that is not whole."""
     require(data[:8] == b"\x89BOZ\r\n\x1a\n", "not a wavelet file")
     version, zero, crc = struct.unpack_from("<HHI", data, 8)
-    require(version == 2 and zero == 0 and crc == zlib.crc32(data[:12]), "the version is not known or damaged")
+    require(version in (2, 3) and zero == 0 and crc == zlib.crc32(data[:12]), "the version is not known or damaged")
     start = 16
     while start < len(data):
         at, lengths = start + 5, []
@@ -54,7 +54,9 @@ def chunks(data):
 
 
 class Header:
-    def __init__(self, data):
+    def __init__(self, data, version):
+        self.transform, data = (data[0], data[1:]) if version == 3 else (0, data)
+        require(self.transform <= 2, "unknown transform")
         self.scheme, self.wavelet, self.levels, self.precision, self.up, count = struct.unpack_from("<6B", data)
         texts, at = [], 6
         for _ in range(count + 1):
@@ -310,14 +312,66 @@ def updates(level, parents, details, wavelet):
     return {v: [(x + (1 << 19)) >> 20 for x in s] for v, s in sums.items()}
 
 
-def synthesise(base, j, coarser, details, wavelet):
+def synthesise(base, j, coarser, details, wavelet, has_bends=False):
     """c^j and d^j to c^{j+1}, all by id."""
-    parents = odd_parents(base, j)
-    update = updates(Level(base, j), parents, details, wavelet)
+    parents, level = odd_parents(base, j), Level(base, j)
+    update = updates(level, parents, details, wavelet)
     finer = {v: [wrap(c - x) for c, x in zip(value, update.get(v, (0, 0, 0)))] for v, value in coarser.items()}
+    bend = bends(base, j, level, parents, finer) if has_bends else defaultdict(lambda: (0, 0, 0))
     for i, (u, w) in parents.items():
-        finer[i] = [wrap(d + ((a + b) >> 1)) for d, a, b in zip(details[i], finer[u], finer[w])]
+        finer[i] = [wrap(d + ((a + b) >> 1) + x) for d, a, b, x in zip(details[i], finer[u], finer[w], bend[i])]
     return finer
+
+
+def analyse(base, finest, levels, wavelet):
+    """c^J to the surface's own coefficients by id: c^0 and every d^j; and whether all on the way is within the limit."""
+    found, within = dict(finest), True
+    for j in reversed(range(levels)):
+        parents = odd_parents(base, j)
+        for i, (u, w) in parents.items():
+            found[i] = [wrap(c - ((a + b) >> 1)) for c, a, b in zip(found[i], found[u], found[w])]
+        for v, update in updates(Level(base, j), parents, found, wavelet).items():
+            found[v] = [wrap(c + x) for c, x in zip(found[v], update)]
+        within = within and all(abs(x) <= LIMIT for d in found.values() for x in d)
+    return {i: tuple(d) for i, d in found.items()}, within
+
+# ---- "Transforms"
+
+def flaps(level, parents, positions, curve=()):
+    """F of the edge that each odd vertex halves."""
+    found = {}
+    for i, (u, w) in parents.items():
+        beside = level.opposite[u, w]
+        inner = len(beside) == 2 and (u, w) not in curve
+        a, b = (positions[x] for x in beside) if inner else (positions[u], positions[w])
+        found[i] = [a[c] + b[c] - positions[u][c] - positions[w][c] for c in range(3)]
+    return found
+
+
+def odd_neighbours(base, j, parents):
+    return {i: [x for x in around if x in parents] for i, around in Level(base, j + 1).neighbours.items() if i in parents}
+
+
+def sixteenth(sums):
+    return [wrap(8 - sum(x)) >> 4 for x in zip((0, 0, 0), *sums)]
+
+
+def bends(base, j, level, parents, positions):
+    """B of every odd vertex, curves kept."""
+    curve = {edge for edge, beside in level.opposite.items() if len(beside) == 1}
+    curve |= {(u, w) for u, around in level.sharp.items() for w in around}
+    ends = defaultdict(list)
+    for u, w in curve:
+        ends[u].append(w)
+    F, near = flaps(level, parents, positions, curve), odd_neighbours(base, j, parents)
+
+    def H(v):
+        if len(ends[v]) != 2:
+            return (0, 0, 0)
+        a, b = ends[v]
+        return [positions[a][c] + positions[b][c] - 2 * positions[v][c] for c in range(3)]
+
+    return {i: sixteenth([H(u), H(w)] if (u, w) in curve else [F[x] for x in near[i]]) for i, (u, w) in parents.items()}
 
 # ---- "Stream"
 
@@ -462,7 +516,7 @@ class Stream:
         self.frames[j] = {i: Frame([signed(x + y) for x, y in zip(normals[u], normals[w])])
                           for i, (u, w) in self.parents[j].items()}
         odd = self.parents[j]
-        self.near[j] = {i: [x for x in around if x in odd] for i, around in Level(self.base, j + 1).neighbours.items()}
+        self.near[j] = odd_neighbours(self.base, j, odd)
         self.known[j] = {i: [0, 0, 0] for i in sorted(odd)}
         most = self.planes[j][0]
         self.planes[j] = [max(most - self.coder.raw(5), 0) for _ in range(2)]
@@ -508,14 +562,10 @@ class Stream:
         return -(size << to) if negative else size << to
 
     def predictions(self, j):
-        level, positions = Level(self.base, j), self.known_positions(j)
-        flaps = {}
-        for i, (u, w) in self.parents[j].items():
-            beside = level.opposite[u, w]
-            flaps[i] = [2 * (positions[beside[0]][c] + positions[beside[1]][c] - positions[u][c] - positions[w][c])
-                        if len(beside) == 2 else 0 for c in range(3)]
-        return {i: self.frames[j][i].turn([wrap(16 - sum(flaps[x][c] for x in self.near[j][i]) >> 5) for c in range(3)])
-                for i in self.parents[j]}
+        if self.head.transform == 2:
+            return dict.fromkeys(self.parents[j], (0, 0, 0))
+        F = flaps(Level(self.base, j), self.parents[j], self.known_positions(j))
+        return {i: self.frames[j][i].turn(sixteenth([F[x] for x in self.near[j][i]])) for i in self.parents[j]}
 
     def finish(self, j):
         predicted, known, planes = self.predictions(j), self.known[j], self.planes[j]
@@ -579,19 +629,25 @@ class Stream:
     def known_positions(self, level):
         positions = self.known_base()
         for j in range(level):
-            positions = synthesise(self.base, j, positions, self.known_details(j), self.head.wavelet)
+            wavelet = self.head.wavelet if self.head.transform == 0 else 1
+            positions = synthesise(self.base, j, positions, self.known_details(j), wavelet, self.head.transform == 2)
         return positions
 
     def coefficients(self):
         """All coefficients by id, and whether every bit of them is known."""
         exact = self.plane == 0 and all(plane == 0 for planes in self.planes for plane in planes) and not any(
             above for level in self.above for above in level)
-        found = self.known_base()
-        for j in range(self.head.levels):
-            found.update(self.known_details(j))
         require(not exact or self.coder.at >= len(self.coder.data), "the stream goes on after its end")
-        if not exact:
-            found = {i: tuple(max(-LIMIT, min(LIMIT, x)) for x in d) for i, d in found.items()}
+        clamped = lambda all: {i: tuple(max(-LIMIT, min(LIMIT, x)) for x in d) for i, d in all.items()}
+        if self.head.transform == 0:
+            found = self.known_base()
+            for j in range(self.head.levels):
+                found.update(self.known_details(j))
+            found = found if exact else clamped(found)
+        else:
+            found = self.known_positions(self.head.levels)
+            found, within = analyse(self.base, found if exact else clamped(found), self.head.levels, self.head.wavelet)
+            found = found if exact or within else clamped(found)
         require(all(abs(x) <= LIMIT for d in found.values() for x in d), "a coefficient beyond the limit")
         return found
 
@@ -631,7 +687,7 @@ def read(data):
         elif complete:
             beside[kind] = payload
     require([kind for kind, _ in critical[:3]] == [b"HEAD", b"BASE", b"WAVE"], "the base mesh is not complete")
-    head = Header(critical[0][1])
+    head = Header(critical[0][1], data[8])
     base = Base(head.vertices, *base_mesh(critical[1][1], head.vertices, head.faces))
     stream = b""
     for kind, payload in critical[2:]:

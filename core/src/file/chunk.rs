@@ -9,8 +9,10 @@ use std::io::Read;
 
 /// The first bytes of every wavelet file: magic, version, checksum of both.
 pub(super) const MAGIC: [u8; 8] = *b"\x89BOZ\r\n\x1a\n";
-/// The version of the file format.
-pub(super) const VERSION: u16 = 2;
+/// The version of the file format that is written.
+pub(super) const VERSION: u16 = 3;
+/// The first version that is read.
+pub(super) const OLDEST: u16 = 2;
 /// Length of the preamble.
 pub(super) const PREAMBLE: usize = 16;
 /// A flag: a reader that does not know the chunk must refuse the file.
@@ -177,11 +179,11 @@ fn checksum(fields: &[u8], payload: &[u8]) -> u32 {
     sum.finalize()
 }
 
-/// The preamble.
-pub(super) fn preamble() -> [u8; PREAMBLE] {
+/// The preamble of a version.
+pub(super) fn preamble(version: u16) -> [u8; PREAMBLE] {
     let mut bytes = [0; PREAMBLE];
     bytes[..8].copy_from_slice(&MAGIC);
-    bytes[8..10].copy_from_slice(&VERSION.to_le_bytes());
+    bytes[8..10].copy_from_slice(&version.to_le_bytes());
     let crc = crc32fast::hash(&bytes[..12]);
     bytes[12..].copy_from_slice(&crc.to_le_bytes());
     bytes

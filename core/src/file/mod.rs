@@ -3,6 +3,7 @@
 mod chunk;
 mod error;
 mod header;
+mod held;
 mod journal;
 mod progressive;
 mod smaller;

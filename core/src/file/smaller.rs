@@ -3,10 +3,12 @@
 //! The embedded stream is cut; what a reader makes of the rest is a surface of its own, and the file is complete: it
 //! states that surface's hash and has an end marker. Source indices are left out, for they cost more than the surface.
 
+use super::held::surface_of;
 use super::progressive::{Encoded, decode_stream};
 use super::wavelet_file::{Model, encode_parts, finest_stream};
 use crate::mesh::{CompareOptions, TriangleMesh, compare};
-use crate::surface::{LIMIT, Surface};
+use crate::surface::Surface;
+use crate::wavelet::Filters;
 use thiserror::Error;
 
 /// How small a file is to be.
@@ -93,20 +95,15 @@ pub fn encode_smaller(model: &Model, size: Size) -> Result<(Vec<u8>, Model), NoS
 fn cut_to(model: &Model, stream: &Encoded, length: usize) -> (Vec<u8>, Model) {
     let surface = &model.surface;
     let bytes = stream.bytes[..length].to_vec();
-    let held =
-        decode_stream(surface.hierarchy(), surface.filters(), &bytes).expect("the base positions are there");
-    let within = |v: [i32; 3]| v.map(|x| x.clamp(-LIMIT, LIMIT));
-    let held = Surface::from_coefficients(
-        surface.hierarchy().as_ref().clone(),
-        surface.form().clone(),
-        held.base.into_iter().map(within).collect(),
-        held.details.into_iter().map(|d| d.into_iter().map(within).collect()).collect(),
-    )
-    .expect("its weights were solved before");
+    let hierarchy = surface.hierarchy().as_ref().clone();
+    let filters = Filters::new(&hierarchy, surface.form().wavelet).expect("they were solved before");
+    let decoded =
+        decode_stream(&hierarchy, &filters, stream.coding, &bytes).expect("the base positions are there");
+    let held = surface_of(hierarchy, filters, surface.form().clone(), decoded).expect("a surface holds it");
     let borders = stream.borders.iter().copied().filter(|border| border.position <= length).collect();
     let mut smaller = Model::new(held, None, model.metadata.clone());
     smaller.unknown.clone_from(&model.unknown);
-    (encode_parts(&smaller, &Encoded { bytes, borders }), smaller)
+    (encode_parts(&smaller, &Encoded { coding: stream.coding, bytes, borders }), smaller)
 }
 
 fn psnr(mesh: &TriangleMesh, surface: &Surface) -> f64 {

@@ -9,9 +9,11 @@
 use super::FileError;
 use super::chunk::{self, Chunk, Kind, Stop};
 use super::header::{self, Header};
-use super::progressive::{Encoded, Granularity, decode_base, decode_stream, encode_base, encode_stream};
+use super::held::surface_of;
+use super::progressive::{Coding, Encoded, Granularity};
+use super::progressive::{decode_base, decode_stream, encode_base, encode_stream};
 use crate::hierarchy::{BaseMesh, Hierarchy, Level, PublicId};
-use crate::surface::{LIMIT, Surface, SurfaceHash, Vector, within_limit};
+use crate::surface::{Surface, SurfaceHash};
 use crate::wavelet::Filters;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -106,7 +108,7 @@ pub(super) fn encode_parts(model: &Model, stream: &Encoded) -> Vec<u8> {
     let surface = &model.surface;
     let base = surface.hierarchy().base();
     let mut chunks = vec![
-        Chunk::stored(HEAD, true, header::encode(surface)),
+        Chunk::stored(HEAD, true, header::encode(surface, stream.coding)),
         Chunk::stored(BASE, true, encode_base(base.vertex_count(), base.faces(), &base.sharp_edges())),
     ];
     chunks.extend(wave_chunks(stream));
@@ -119,7 +121,7 @@ pub(super) fn encode_parts(model: &Model, stream: &Encoded) -> Vec<u8> {
     chunks.push(Chunk::new(META, false, &metadata));
     chunks.extend(model.unknown.iter().cloned());
 
-    let mut file = chunk::preamble().to_vec();
+    let mut file = chunk::preamble(chunk::VERSION).to_vec();
     chunks.iter().for_each(|chunk| chunk.write(&mut file));
     file
 }
@@ -135,15 +137,7 @@ pub(super) fn finest_stream(surface: &Surface) -> Encoded {
 }
 
 fn stream(surface: &Surface, granularity: Granularity) -> Encoded {
-    let details: Vec<&[Vector]> = (0..surface.finest().0).map(|j| surface.wavelets(Level(j))).collect();
-    encode_stream(
-        surface.hierarchy(),
-        surface.filters(),
-        surface.form().precision,
-        surface.scaling(Level::BASE),
-        &details,
-        granularity,
-    )
+    encode_stream(surface, Coding::Butterfly, granularity)
 }
 
 /// The stream in chunks, each with the error that it leaves: cut at borders where they are not too far apart.
@@ -209,16 +203,16 @@ impl Reader<'_> {
     }
 
     fn model(mut self) -> Result<Model, FileError> {
-        self.preamble()?;
+        let version = self.preamble()?;
         let (head_at, head) = self.required(HEAD)?;
         let head = head.into_stored().map_err(|what| self.error(head_at, what, RESTORE))?;
-        let head = Header::decode(&head)
+        let head = Header::decode(&head, version)
             .map_err(|what| self.error(head_at, what, "open it with the Bozzetto that wrote it"))?;
         let (hierarchy, base_at) = self.hierarchy(&head)?;
         let filters = Filters::new(&hierarchy, head.form.wavelet)
             .map_err(|e| self.error(base_at, e.to_string(), "import the model again"))?;
         let (stream, complete, curve) = self.stream(head.form.placement.step)?;
-        let Some(mut decoded) = decode_stream(&hierarchy, &filters, &stream) else {
+        let Some(decoded) = decode_stream(&hierarchy, &filters, head.coding, &stream) else {
             return Err(self.error(
                 self.at,
                 "the file ends before its base mesh does",
@@ -230,16 +224,7 @@ impl Reader<'_> {
         }
         let beyond =
             || self.error(PREAMBLE_END, "coefficients reach beyond the range of coordinates", RESTORE);
-        // Before synthesis, whose sums are exact within the limit only. What is known in part may overshoot.
-        let all = decoded.base.par_iter_mut().chain(decoded.details.par_iter_mut().flatten());
-        if decoded.exact {
-            if !all.all(|v| v.iter().all(|&x| within_limit(x))) {
-                return Err(beyond());
-            }
-        } else {
-            all.for_each(|v| *v = v.map(|x| x.clamp(-LIMIT, LIMIT)));
-        }
-        let surface = Surface::with_filters(hierarchy, filters, head.form, decoded.base, decoded.details);
+        let surface = surface_of(hierarchy, filters, head.form, decoded).ok_or_else(beyond)?;
         // Positions of a partial surface may overshoot where the missing detail would have held them back.
         if complete && !surface.is_within_limit() {
             return Err(beyond());
@@ -268,21 +253,19 @@ impl Reader<'_> {
         Ok(model)
     }
 
-    fn preamble(&mut self) -> Result<(), FileError> {
+    /// The version.
+    fn preamble(&mut self) -> Result<u16, FileError> {
         let start = self.bytes.get(..chunk::PREAMBLE);
         if start.is_none_or(|start| start[..8] != chunk::MAGIC) {
             let mend = "give a .boz file, or import a mesh with `bozzetto import`";
             return Err(self.error(0, "this is not a Bozzetto wavelet file", mend));
         }
-        if start != Some(chunk::preamble().as_slice()) {
-            return Err(self.error(
-                8,
-                "the version is not known or damaged",
-                "open it with a newer Bozzetto",
-            ));
-        }
+        let mut versions = chunk::OLDEST..=chunk::VERSION;
+        let found = versions.find(|&version| start == Some(chunk::preamble(version).as_slice()));
+        let mend = "open it with a newer Bozzetto";
+        let version = found.ok_or_else(|| self.error(8, "the version is not known or damaged", mend))?;
         self.at = chunk::PREAMBLE;
-        Ok(())
+        Ok(version)
     }
 
     /// The next chunk and where it began.

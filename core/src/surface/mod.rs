@@ -71,8 +71,18 @@ impl Surface {
         form: Form,
         finest: Vec<Vector>,
     ) -> Result<Self, ValenceTooHigh> {
-        assert_eq!(finest.len(), hierarchy.layout(hierarchy.finest()).len() as usize);
         let filters = Filters::new(&hierarchy, form.wavelet)?;
+        Ok(Self::finest_with_filters(hierarchy, filters, form, finest))
+    }
+
+    /// [`Surface::from_finest`] with weights that were solved before.
+    pub(crate) fn finest_with_filters(
+        hierarchy: Hierarchy,
+        filters: Filters,
+        form: Form,
+        finest: Vec<Vector>,
+    ) -> Self {
+        assert_eq!(finest.len(), hierarchy.layout(hierarchy.finest()).len() as usize);
         let mut scaling = vec![finest];
         let mut wavelets = Vec::new();
         for level in (0..hierarchy.finest().0).rev() {
@@ -83,7 +93,7 @@ impl Surface {
         }
         scaling.reverse();
         wavelets.reverse();
-        Ok(Self::assemble(hierarchy, filters, form, scaling, wavelets))
+        Self::assemble(hierarchy, filters, form, scaling, wavelets)
     }
 
     /// Synthesises positions from `c^0` and `d^0 … d^{J−1}`. `O(n_J)`.
@@ -241,6 +251,17 @@ impl Surface {
     pub fn is_within_limit(&self) -> bool {
         let within = |values: &Vec<Vector>| values.par_iter().all(|v| v.iter().all(|x| within_limit(*x)));
         self.scaling.iter().chain(&self.wavelets).all(within)
+    }
+
+    /// The surface with coefficients beyond the limit moved to it; positions follow and may lie beyond. `O(n_J)`.
+    pub(crate) fn with_coefficients_clamped(&self) -> Self {
+        let clamped = |all: &Vec<Vector>| {
+            all.iter().map(|v| v.map(|x| x.clamp(-LIMIT, LIMIT))).collect::<Vec<Vector>>()
+        };
+        let details = self.wavelets.iter().map(clamped).collect();
+        let hierarchy = self.hierarchy.as_ref().clone();
+        Self::from_coefficients(hierarchy, self.form.clone(), clamped(&self.scaling[0]), details)
+            .expect("its weights were solved before")
     }
 
     /// `M^level` as a mesh in model units, vertices in public order. Linear in its size.

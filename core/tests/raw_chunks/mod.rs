@@ -67,7 +67,7 @@ pub(crate) fn split(file: &[u8]) -> Vec<RawChunk> {
 
 /// Puts a file together, with every checksum right. Ancillary payloads are packed if `pack` says so.
 pub(crate) fn join(chunks: &[RawChunk], pack: bool) -> Vec<u8> {
-    let mut file = b"\x89BOZ\r\n\x1a\n\x02\0\0\0".to_vec();
+    let mut file = b"\x89BOZ\r\n\x1a\n\x03\0\0\0".to_vec();
     file.extend(crc32fast::hash(&file).to_le_bytes());
     for chunk in chunks {
         let mut payload = chunk.raw.clone();

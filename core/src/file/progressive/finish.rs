@@ -1,16 +1,13 @@
 //! The last block of a level: every bit that is missing of it, told as what a smooth surface through `M^j` does not say.
 //!
-//! Based on: Dyn, Levin, Gregory, "A Butterfly Subdivision Scheme for Surface Interpolation with Tension Control", ACM
-//! Transactions on Graphics 9(2), 1990, for the prediction; Weinberger, Seroussi, Sapiro, "The LOCO-I Lossless Image
-//! Compression Algorithm", IEEE TIP 9(8), 2000, for correcting it by what was off beside it and for contexts from
-//! magnitudes of residuals.
+//! Based on: Weinberger, Seroussi, Sapiro, "The LOCO-I Lossless Image Compression Algorithm", IEEE TIP 9(8), 2000, for
+//! correcting a prediction by what was off beside it and for contexts from magnitudes of residuals. The prediction is
+//! [`super::butterfly`]'s, or nothing where the transform has that in it.
 
-use super::frames::Frame;
 use super::range_coder::{Coder, Model};
 use super::visit::{Place, visit};
-use crate::hierarchy::{Hierarchy, Layout, Level, Odd, row_slots};
+use crate::hierarchy::Layout;
 use crate::surface::Vector;
-use rayon::prelude::*;
 
 /// Classes of what magnitude a residual is expected to have: half octaves.
 const EXPECTED: usize = 40;
@@ -55,7 +52,7 @@ pub(super) struct Parts<'a> {
     pub(super) residuals: &'a mut [Vector],
     /// Those of level j − 1, by slot of `M^j`; empty where that level is not finished.
     pub(super) parents: &'a [Vector],
-    /// By odd vertex.
+    /// By odd vertex; empty for nothing.
     pub(super) predicted: &'a [Vector],
     /// What components are in the end, by odd vertex; empty when reading.
     pub(super) truth: &'a [Vector],
@@ -78,7 +75,7 @@ fn sizes(v: &Vector) -> [u64; 2] {
 #[inline(always)]
 fn vertex<C: Coder>(coder: &mut C, models: &mut Models, level: &mut Parts, place: Place) -> Result<(), u32> {
     let truth = if C::WRITES { level.truth[place.odd as usize] } else { [0; 3] };
-    let predicted = level.predicted[place.odd as usize];
+    let predicted = level.predicted.get(place.odd as usize).copied().unwrap_or_default();
     let (mut around, mut expected) = ([0i64; 3], sizes(&predicted).map(|x| 2 * x));
     expected[1] *= 2;
     for &slot in place.near {
@@ -190,64 +187,4 @@ fn refined<C: Coder>(
     let rest = coder.long_raw(plane - 1, low & ((1u64 << (plane - 1)) - 1) as u32);
     let size = size | u32::from(first) << (plane - 1) | rest;
     if known < 0 { (size as i32).wrapping_neg() } else { size as i32 }
-}
-
-/// What the butterfly scheme has at the odd vertices of a level, less the mean of their parents, in their frames.
-/// `O(n_j)`.
-///
-/// With `F` of an edge (u, w) between the faces (u, w, a) and (w, u, b) the sum `a + b − u − w`, and zero on a boundary,
-/// that is `−1/16` of the sum of `F` over the edges that form a face with the vertex's own.
-pub(super) fn predictions(
-    hierarchy: &Hierarchy,
-    level: Level,
-    positions: &[Vector],
-    frames: &[Frame],
-) -> Vec<Vector> {
-    let (coarse, fine) = (hierarchy.layout(level), hierarchy.layout(Level(level.0 + 1)));
-    let flaps = flaps(coarse, fine, positions);
-    let of_odd = |odd: u32| {
-        let mut sum = [0i64; 3];
-        fine.for_each_neighbour(coarse.odd_site(Odd(odd)), |site| {
-            let flap = &flaps[fine.slot(site).index()];
-            for c in 0..3 {
-                sum[c] += flap[c];
-            }
-        });
-        frames[odd as usize].turn(sum.map(|x| ((16 - x) >> 5) as i32))
-    };
-    (0..coarse.odd_len()).into_par_iter().with_min_len(1024).map(of_odd).collect()
-}
-
-/// Twice `F` by slot of `M^{j+1}`; zero at even vertices.
-fn flaps(coarse: &Layout, fine: &Layout, positions: &[Vector]) -> Vec<[i64; 3]> {
-    let mut flaps = vec![[0i64; 3]; fine.len() as usize];
-    let mut sides = vec![0u8; fine.len() as usize];
-    let n = coarse.segments();
-    let mut add = |corners: [u32; 3], middles: [u32; 3]| {
-        let p = corners.map(|slot| positions[slot as usize].map(i64::from));
-        let sum = [0, 1, 2].map(|c| p[0][c] + p[1][c] + p[2][c]);
-        for (k, middle) in middles.into_iter().enumerate() {
-            sides[middle as usize] += 1;
-            let (flap, apex) = (&mut flaps[middle as usize], p[(k + 2) % 3]);
-            for c in 0..3 {
-                flap[c] += 3 * apex[c] - sum[c];
-            }
-        }
-    };
-    let (mut rows, mut halves) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new(), Vec::new()]);
-    for face in 0..coarse.base().faces().len() as u32 {
-        for r in 0..n {
-            rows.iter_mut().zip(r..).for_each(|(row, r)| row_slots(coarse, face, r, row));
-            halves.iter_mut().zip(2 * r..).for_each(|(row, r)| row_slots(fine, face, r, row));
-            let ([a, b], [x, y, z]) = (&rows, &halves);
-            for i in 0..(n - r) as usize {
-                add([a[i], a[i + 1], b[i]], [x[2 * i + 1], y[2 * i + 1], y[2 * i]]);
-                if i + 1 < b.len() {
-                    add([a[i + 1], b[i + 1], b[i]], [y[2 * i + 2], z[2 * i + 1], y[2 * i + 1]]);
-                }
-            }
-        }
-    }
-    flaps.iter_mut().zip(sides).filter(|(_, sides)| *sides < 2).for_each(|(flap, _)| *flap = [0; 3]);
-    flaps
 }

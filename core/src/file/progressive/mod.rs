@@ -1,13 +1,16 @@
 //! The embedded stream of a wavelet file: base connectivity, positions and wavelet coefficients in the order of their
 //! significance, each bit under a model learnt from what came before. docs/FORMAT.md specifies every bit of it.
 
+mod butterfly;
 mod connectivity;
 mod finish;
 mod frames;
 mod planes;
 mod range_coder;
 mod stream;
+mod transform;
 mod visit;
 
 pub(super) use connectivity::{decode_base, encode_base};
-pub(super) use stream::{Encoded, Granularity, decode_stream, encode_stream};
+pub(super) use stream::{Decoded, Encoded, Granularity, Held, decode_stream, encode_stream};
+pub(super) use transform::Coding;

@@ -9,13 +9,15 @@ mod errors;
 pub(in crate::file) use self::choice::Granularity;
 use self::choice::{Choice, coarsest, noise};
 use self::errors::Errors;
-use super::finish::{self, finish, predictions};
+use super::butterfly::{Curves, bends};
+use super::finish::{self, finish};
 use super::frames::{Frame, frames};
 use super::planes::{Block, CLASSES, Level as Planes, Models, code};
 use super::range_coder::{Coder, Decoder, Encoder, Model};
+use super::transform::{Coding, Transform};
 use crate::hierarchy::{Hierarchy, Layout, Level, Odd};
-use crate::surface::Vector;
-use crate::wavelet::{Filters, rows};
+use crate::surface::{Surface, Vector};
+use crate::wavelet::Filters;
 use rayon::prelude::*;
 
 /// Planes are counted to here: magnitudes are below 2^30.
@@ -46,7 +48,7 @@ struct Details {
 /// What is known of a surface while it is written or read.
 struct State<'a> {
     hierarchy: &'a Hierarchy,
-    filters: &'a Filters,
+    transform: Transform<'a>,
     base: Vec<Vector>,
     base_plane: u32,
     /// The first base vertex that is still at another plane, and that plane.
@@ -122,15 +124,12 @@ impl State<'_> {
     }
 
     fn synthesise(&self, level: usize) -> Vec<Vector> {
-        let mut positions = self.known_base();
-        for j in 0..level {
-            positions = rows::synthesise_level(
-                self.hierarchy,
-                self.filters,
-                Level(j as u8),
-                &positions,
-                &self.details(j),
-            );
+        let (from, mut positions) = match &self.synthesised {
+            Some((kept, positions)) if *kept <= level => (*kept, positions.clone()),
+            _ => (0, self.known_base()),
+        };
+        for j in from..level {
+            positions = self.transform.synthesise_level(Level(j as u8), &positions, &self.details(j));
         }
         positions
     }
@@ -209,9 +208,7 @@ impl State<'_> {
     /// Codes all that is missing of a level; whether it was there.
     fn finish<C: Coder>(&mut self, coder: &mut C, j: usize, truth: &[Vector]) -> bool {
         let (hierarchy, level) = (self.hierarchy, Level(j as u8));
-        self.positions(j);
-        let positions = self.synthesised.as_ref().map_or(&[][..], |(_, positions)| positions);
-        let predicted = predictions(hierarchy, level, positions, &self.levels[j].frames);
+        let predicted = if self.transform.bends() { Vec::new() } else { self.predicted(j) };
         let (before, rest) = self.levels.split_at_mut(j);
         let details = &mut rest[0];
         details.residuals = vec![[0; 3]; details.known.len()];
@@ -230,6 +227,17 @@ impl State<'_> {
         details.planes = [0; 2];
         self.changed(Some(j));
         stopped.is_none()
+    }
+
+    /// What a smooth surface through the positions known of `M^j` has for the components of its odd vertices.
+    fn predicted(&mut self, j: usize) -> Vec<Vector> {
+        let hierarchy = self.hierarchy;
+        let mut predicted = bends(hierarchy, Level(j as u8), self.positions(j), Curves::Ignored);
+        predicted
+            .par_iter_mut()
+            .zip(&self.levels[j].frames)
+            .for_each(|(bend, frame)| *bend = frame.turn(*bend));
+        predicted
     }
 
     /// A plane more of the base positions.
@@ -399,32 +407,38 @@ pub(in crate::file) struct Border {
 
 /// A stream and its borders, the last its end.
 pub(in crate::file) struct Encoded {
+    pub(in crate::file) coding: Coding,
     pub(in crate::file) bytes: Vec<u8>,
     pub(in crate::file) borders: Vec<Border>,
 }
 
-/// Writes coefficients, `c^0` and each `d^j`, as a stream. `O(n_J)` for each plane.
-pub(in crate::file) fn encode_stream(
-    hierarchy: &Hierarchy,
-    filters: &Filters,
-    precision: u8,
-    base: &[Vector],
-    details: &[&[Vector]],
-    granularity: Granularity,
-) -> Encoded {
-    let mut truth = Truth { base: base.to_vec(), local: details.iter().map(|d| d.to_vec()).collect() };
-    let mut state = State::new(hierarchy, filters);
-    state.base_plane = if details.is_empty() { 0 } else { u32::from(precision).saturating_sub(6) };
+/// Writes a surface as a stream. `O(n_J)` for each plane.
+pub(in crate::file) fn encode_stream(surface: &Surface, coding: Coding, granularity: Granularity) -> Encoded {
+    let (hierarchy, finest) = (surface.hierarchy(), surface.finest());
+    let filters = coding.filters(hierarchy);
+    let transform =
+        Transform { coding, hierarchy, filters: filters.as_ref().unwrap_or_else(|| surface.filters()) };
+    let (base, local) = match coding {
+        Coding::Own => {
+            let details = (0..finest.0).map(|j| surface.wavelets(Level(j)).to_vec());
+            (surface.scaling(Level::BASE).to_vec(), details.collect())
+        }
+        _ => transform.analyse(surface.scaling(finest)),
+    };
+    let mut truth = Truth { base, local };
+    let noise = noise(truth.local.last());
+    let mut state = State::new(transform);
+    state.base_plane =
+        if finest == Level::BASE { 0 } else { u32::from(surface.form().precision).saturating_sub(6) };
     let mut encoder = Encoder::default();
     state.beginning(&mut encoder, &truth);
     let mut errors = Errors::new(&state, &truth);
     let mut borders = vec![Border { position: encoder.position(), error: errors.total(hierarchy) }];
-    let noise = noise(details);
     let mut finishing = granularity == Granularity::Coarse;
     loop {
         let candidates = state.candidates();
         let Some(&(first, plane)) = candidates.first() else { break };
-        finishing |= matches!(first, Step::Refine(j, _) if j + 1 == details.len() && plane <= noise);
+        finishing |= matches!(first, Step::Refine(j, _) if j + 1 == finest.index() && plane <= noise);
         let choice =
             if finishing { coarsest(&candidates) } else { Choice { index: 0, count: 1, finish: false } };
         let step = candidates[choice.index].0;
@@ -437,28 +451,36 @@ pub(in crate::file) fn encode_stream(
         }
         borders.push(Border { position: encoder.position(), error: errors.total(hierarchy) });
     }
-    Encoded { bytes: encoder.finish(), borders }
+    Encoded { coding, bytes: encoder.finish(), borders }
 }
 
 /// What a stream, or the part of it that is there, holds.
 pub(in crate::file) struct Decoded {
-    /// `c^0`.
-    pub(in crate::file) base: Vec<Vector>,
-    /// Each `d^j`.
-    pub(in crate::file) details: Vec<Vec<Vector>>,
+    pub(in crate::file) held: Held,
     /// Whether every bit is known.
     pub(in crate::file) exact: bool,
     /// Whether bytes follow those that are known then.
     pub(in crate::file) surplus: bool,
 }
 
-/// Reads a stream as far as it goes. `None` if the base positions are not all there. `O(n_J)` for each plane.
+/// A surface as a stream tells it.
+pub(in crate::file) enum Held {
+    /// `c^0` and each `d^j`.
+    Coefficients(Vec<Vector>, Vec<Vec<Vector>>),
+    /// `c^J`.
+    Finest(Vec<Vector>),
+}
+
+/// Reads a stream as far as it goes; `filters` are the surface's. `None` if the base positions are not all there. `O(n_J)`
+/// for each plane.
 pub(in crate::file) fn decode_stream(
     hierarchy: &Hierarchy,
     filters: &Filters,
+    coding: Coding,
     bytes: &[u8],
 ) -> Option<Decoded> {
-    let mut state = State::new(hierarchy, filters);
+    let own = coding.filters(hierarchy);
+    let mut state = State::new(Transform { coding, hierarchy, filters: own.as_ref().unwrap_or(filters) });
     let mut decoder = Decoder::new(bytes);
     let mut truth = Truth::default();
     if !state.beginning(&mut decoder, &truth) {
@@ -475,16 +497,23 @@ pub(in crate::file) fn decode_stream(
             break;
         }
     }
-    let details = (0..state.levels.len()).map(|j| state.details(j)).collect();
+    let held = match coding {
+        Coding::Own => Held::Coefficients(
+            state.known_base(),
+            (0..state.levels.len()).map(|j| state.details(j)).collect(),
+        ),
+        _ => Held::Finest(state.synthesise(state.levels.len())),
+    };
     let surplus = exact && decoder.position() < bytes.len();
-    Some(Decoded { base: state.known_base(), details, exact, surplus })
+    Some(Decoded { held, exact, surplus })
 }
 
 impl<'a> State<'a> {
-    fn new(hierarchy: &'a Hierarchy, filters: &'a Filters) -> Self {
+    fn new(transform: Transform<'a>) -> Self {
+        let hierarchy = transform.hierarchy;
         Self {
             hierarchy,
-            filters,
+            transform,
             base: vec![[0; 3]; hierarchy.base().vertex_count() as usize],
             base_plane: 0,
             base_cut: None,

@@ -25,8 +25,8 @@ pub(in crate::file) enum Granularity {
 
 /// From which plane on the finest level is told better as it differs from a smooth surface: twice its mean
 /// magnitude.
-pub(super) fn noise(details: &[&[Vector]]) -> u32 {
-    let finest = details.last().copied().unwrap_or_default();
+pub(super) fn noise(finest: Option<&Vec<Vector>>) -> u32 {
+    let finest = finest.map_or(&[][..], Vec::as_slice);
     let sum: u64 = finest.iter().flatten().map(|x| u64::from(x.unsigned_abs())).sum();
     let mean = sum / (3 * finest.len() as u64).max(1);
     65 - mean.leading_zeros()

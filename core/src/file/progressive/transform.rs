@@ -1,0 +1,243 @@
+//! The transform that a stream is written in: the surface's own, or one that codes better.
+//!
+//! Which one is chosen changes nothing of the surface: all are integer lifting of the same finest positions, exact both
+//! ways. Based on: Schröder, Sweldens, "Spherical Wavelets", SIGGRAPH 1995, for lifting the butterfly scheme. With bends
+//! the detail of an odd vertex is what [`super::butterfly`] leaves of it, beyond the mean of its parents.
+
+use super::butterfly::{Curves, bends};
+use crate::hierarchy::{Hierarchy, Layout, Level};
+use crate::surface::Vector;
+use crate::wavelet::lifting::{minus, plus};
+use crate::wavelet::{Filters, Wavelet, rows};
+use rayon::prelude::*;
+
+/// Which transform.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(in crate::file) enum Coding {
+    /// The surface's wavelet.
+    #[default]
+    Own,
+    /// Means of parents and the 0-disc wavelet.
+    Linear,
+    /// The butterfly scheme and the 0-disc wavelet's update.
+    Butterfly,
+}
+
+impl Coding {
+    /// All that exist.
+    pub(in crate::file) const ALL: [Coding; 3] = [Coding::Own, Coding::Linear, Coding::Butterfly];
+
+    /// The number that stands for it in files.
+    pub(in crate::file) fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// The transform with a given code.
+    pub(in crate::file) fn from_code(code: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|coding| coding.code() == code)
+    }
+
+    /// The weights of its update; `None` if they are the surface's.
+    pub(in crate::file) fn filters(self, hierarchy: &Hierarchy) -> Option<Filters> {
+        let zero_disc = || Filters::new(hierarchy, Wavelet::Disc(0)).expect("its systems are small");
+        (self != Coding::Own).then(zero_disc)
+    }
+}
+
+/// A transform over a hierarchy.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Transform<'a> {
+    pub(super) coding: Coding,
+    pub(super) hierarchy: &'a Hierarchy,
+    pub(super) filters: &'a Filters,
+}
+
+impl Transform<'_> {
+    /// Whether details are what a smooth prediction leaves.
+    pub(super) fn bends(self) -> bool {
+        self.coding == Coding::Butterfly
+    }
+
+    /// One level of analysis: `c^{j+1}` to `d^j` and `c^j`. `O(n_{j+1})`.
+    pub(super) fn analyse_level(self, level: Level, finer: &[Vector]) -> (Vec<Vector>, Vec<Vector>) {
+        if !self.bends() {
+            return rows::analyse_level(self.hierarchy, self.filters, level, finer);
+        }
+        let mut straight = finer.to_vec();
+        self.add_bends(level, &mut straight, minus);
+        rows::analyse_level(self.hierarchy, self.filters, level, &straight)
+    }
+
+    /// One level of synthesis: `c^j` and `d^j` to `c^{j+1}`. `O(n_{j+1})`.
+    pub(super) fn synthesise_level(
+        self,
+        level: Level,
+        coarser: &[Vector],
+        details: &[Vector],
+    ) -> Vec<Vector> {
+        let mut finer = rows::synthesise_level(self.hierarchy, self.filters, level, coarser, details);
+        if self.bends() {
+            self.add_bends(level, &mut finer, plus);
+        }
+        finer
+    }
+
+    /// All levels of analysis: `c^J` to `c^0` and each `d^j`. `O(n_J)`.
+    pub(super) fn analyse(self, finest: &[Vector]) -> (Vec<Vector>, Vec<Vec<Vector>>) {
+        let (mut positions, mut details) = (finest.to_vec(), Vec::new());
+        for j in (0..self.hierarchy.finest().0).rev() {
+            let (d, coarser) = self.analyse_level(Level(j), &positions);
+            details.push(d);
+            positions = coarser;
+        }
+        details.reverse();
+        (positions, details)
+    }
+
+    /// Adds the bends, or takes them off, of the odd vertices of `M^{j+1}`, from the even ones, which stay.
+    fn add_bends(self, level: Level, finer: &mut [Vector], add: impl Fn(Vector, Vector) -> Vector + Sync) {
+        let (coarse, fine) = (self.hierarchy.layout(level), self.hierarchy.layout(level.finer()));
+        let bends = bends(self.hierarchy, level, &evens(coarse, fine, finer), Curves::Kept);
+        let (edges, faces) = (coarse.base().edges().len(), coarse.base().faces().len());
+        let n = coarse.segments() as usize;
+        let (on_edges, inside) = bends.split_at(n * edges);
+        let (_, rest) = finer.split_at_mut(coarse.base().vertex_count() as usize);
+        let (fine_edges, fine_inside) = rest.split_at_mut((2 * n - 1) * edges);
+        for (edge, bends) in fine_edges.chunks_mut(2 * n - 1).zip(on_edges.chunks(n)) {
+            edge.iter_mut().step_by(2).zip(bends).for_each(|(odd, &bend)| *odd = add(*odd, bend));
+        }
+        if n == 1 {
+            return;
+        }
+        let per_face = fine_inside.len() / faces;
+        let faces = fine_inside.par_chunks_mut(per_face).zip(inside.par_chunks(3 * n * (n - 1) / 2));
+        faces.with_min_len(1024 / (n * n) + 1).for_each(|(face, bends)| {
+            let (mut face, mut bends) = (face.iter_mut(), bends.iter());
+            for r in 1..2 * n - 1 {
+                let row = face.by_ref().take(2 * n - r - 1);
+                let mut each = |odd: &mut Vector| {
+                    *odd = add(*odd, *bends.next().expect("as many as odd vertices"));
+                };
+                if r % 2 == 1 { row.for_each(each) } else { row.step_by(2).for_each(&mut each) }
+            }
+        });
+    }
+}
+
+/// The even vertices of `M^{j+1}`, by slot of `M^j`.
+fn evens(coarse: &Layout, fine: &Layout, finer: &[Vector]) -> Vec<Vector> {
+    let (base, n) = (coarse.base(), coarse.segments());
+    let mut evens = vec![[0; 3]; coarse.len() as usize];
+    let corners = base.vertex_count() as usize;
+    evens[..corners].copy_from_slice(&finer[..corners]);
+    if n == 1 {
+        return evens;
+    }
+    let (n, edges) = (n as usize, base.edges().len());
+    let (on_edges, inside) = evens[corners..].split_at_mut((n - 1) * edges);
+    let fine_edges = finer[corners..].chunks(2 * n - 1);
+    for (edge, fine_edge) in on_edges.chunks_mut(n - 1).zip(fine_edges) {
+        edge.iter_mut().zip(fine_edge.iter().skip(1).step_by(2)).for_each(|(even, &value)| *even = value);
+    }
+    if inside.is_empty() {
+        return evens;
+    }
+    let per_face = inside.len() / base.faces().len();
+    inside.par_chunks_mut(per_face).enumerate().with_min_len(1024 / (n * n) + 1).for_each(
+        |(face, inside)| {
+            let mut inside = inside.iter_mut();
+            for r in 1..n - 1 {
+                let start = fine.row(face as u32, 2 * r as u32).index();
+                let row = finer[start + 1..].iter().step_by(2);
+                inside.by_ref().take(n - r - 1).zip(row).for_each(|(even, &value)| *even = value);
+            }
+        },
+    );
+    evens
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hierarchy::{BaseMesh, Slot};
+    use crate::mesh::shapes;
+    use std::sync::Arc;
+
+    fn numbers(count: u32, bits: u32, seed: u32) -> Vec<Vector> {
+        let number = |k: u32| {
+            let mixed = k.wrapping_add(seed).wrapping_mul(0x9e37_79b9) ^ k.rotate_left(13);
+            (mixed.wrapping_mul(0x85eb_ca6b) as i32) >> (32 - bits)
+        };
+        (0..count).map(|v| [3 * v, 3 * v + 1, 3 * v + 2].map(number)).collect()
+    }
+
+    /// Exact both ways whatever the numbers, those beyond every limit included.
+    #[test]
+    fn transforms_are_undone_exactly() {
+        for (name, mesh) in shapes::awkward() {
+            for sharp in [0, 3] {
+                let marks: Vec<[u32; 2]> = mesh.faces.iter().take(sharp).map(|f| [f[0], f[1]]).collect();
+                let base =
+                    BaseMesh::new(mesh.positions.len() as u32, mesh.faces.clone(), &marks).expect(name);
+                let hierarchy = Hierarchy::new(Arc::new(base), Level(4)).expect("small");
+                let own = Filters::new(&hierarchy, Wavelet::Disc(1)).expect("small valences");
+                for coding in Coding::ALL {
+                    let zero = coding.filters(&hierarchy);
+                    let filters = zero.as_ref().unwrap_or(&own);
+                    let transform = Transform { coding, hierarchy: &hierarchy, filters };
+                    for (j, bits) in (0..4u8).flat_map(|j| [(j, 24), (j, 32)]) {
+                        let count = hierarchy.layout(Level(j + 1)).len();
+                        let finer = numbers(count, bits, 7);
+                        let (details, coarser) = transform.analyse_level(Level(j), &finer);
+                        let again = transform.synthesise_level(Level(j), &coarser, &details);
+                        assert!(again == finer, "{name}, {coding:?}, level {j}, {bits} bits");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Even vertices are those that the coarser level has.
+    #[test]
+    fn evens_are_the_coarser_vertices() {
+        for (name, mesh) in shapes::awkward() {
+            let base = BaseMesh::new(mesh.positions.len() as u32, mesh.faces.clone(), &[]).expect(name);
+            let hierarchy = Hierarchy::new(Arc::new(base), Level(4)).expect("small");
+            for j in 0..4 {
+                let (coarse, fine) = (hierarchy.layout(Level(j)), hierarchy.layout(Level(j + 1)));
+                let finer = numbers(fine.len(), 30, 1);
+                let wanted: Vec<Vector> = (0..coarse.len())
+                    .map(|v| finer[fine.slot(Layout::refine(coarse.site(Slot(v)))).index()])
+                    .collect();
+                assert!(evens(coarse, fine, &finer) == wanted, "{name}, level {j}");
+            }
+        }
+    }
+
+    /// Of a smooth surface the butterfly scheme leaves less than the mean of parents does.
+    #[test]
+    fn smooth_surfaces_have_small_details() {
+        let mesh = shapes::octahedron();
+        let base = BaseMesh::new(6, mesh.faces.clone(), &[]).expect("a base mesh");
+        let hierarchy = Hierarchy::new(Arc::new(base), Level(6)).expect("small");
+        let layout = hierarchy.layout(Level(6));
+        let finest: Vec<Vector> = (0..layout.len())
+            .map(|slot| {
+                let (face, b) = layout.chart(layout.site(Slot(slot)));
+                let corners = hierarchy.base().faces()[face as usize].map(|v| mesh.positions[v as usize]);
+                let p = [0, 1, 2].map(|c| (0..3).map(|k| f64::from(b[k]) * corners[k][c]).sum::<f64>());
+                let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+                p.map(|x| (x / length * f64::from(1 << 20)).round() as i32)
+            })
+            .collect();
+        let size = |coding: Coding| {
+            let filters = coding.filters(&hierarchy).expect("its own");
+            let (_, details) =
+                Transform { coding, hierarchy: &hierarchy, filters: &filters }.analyse(&finest);
+            let last = details.last().expect("six levels");
+            last.iter().flatten().map(|x| f64::from(x.abs())).sum::<f64>()
+        };
+        let (linear, butterfly) = (size(Coding::Linear), size(Coding::Butterfly));
+        assert!(3.0 * butterfly < linear, "{butterfly} of {linear}");
+    }
+}
