@@ -56,7 +56,7 @@ def chunks(data):
 class Header:
     def __init__(self, data, version):
         self.transform, data = (data[0], data[1:]) if version == 3 else (0, data)
-        require(self.transform <= 2, "unknown transform")
+        require(self.transform <= 4, "unknown transform")
         self.scheme, self.wavelet, self.levels, self.precision, self.up, count = struct.unpack_from("<6B", data)
         texts, at = [], 6
         for _ in range(count + 1):
@@ -562,7 +562,7 @@ class Stream:
         return -(size << to) if negative else size << to
 
     def predictions(self, j):
-        if self.head.transform == 2:
+        if self.head.transform:
             return dict.fromkeys(self.parents[j], (0, 0, 0))
         F = flaps(Level(self.base, j), self.parents[j], self.known_positions(j))
         return {i: self.frames[j][i].turn(sixteenth([F[x] for x in self.near[j][i]])) for i in self.parents[j]}
@@ -629,8 +629,8 @@ class Stream:
     def known_positions(self, level):
         positions = self.known_base()
         for j in range(level):
-            wavelet = self.head.wavelet if self.head.transform == 0 else 1
-            positions = synthesise(self.base, j, positions, self.known_details(j), wavelet, self.head.transform == 2)
+            wavelet = self.head.transform - 1 if self.head.transform else self.head.wavelet
+            positions = synthesise(self.base, j, positions, self.known_details(j), wavelet, self.head.transform > 0)
         return positions
 
     def coefficients(self):

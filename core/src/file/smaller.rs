@@ -1,11 +1,12 @@
 //! Small files: as much of a surface as so many bytes hold, or as little as a distance allows.
 //!
 //! The embedded stream is cut; what a reader makes of the rest is a surface of its own, and the file is complete: it
-//! states that surface's hash and has an end marker. Source indices are left out, for they cost more than the surface.
+//! states that surface's hash and has an end marker. Source indices and metadata are left out: they tell of the mesh that
+//! the whole surface was made from, and at a kilobyte they cost more than detail does.
 
 use super::held::surface_of;
 use super::progressive::{Encoded, decode_stream};
-use super::wavelet_file::{Model, encode_parts, finest_stream};
+use super::wavelet_file::{Metadata, Model, Parts, encode_parts, finest_stream};
 use crate::mesh::{CompareOptions, TriangleMesh, compare};
 use crate::surface::Surface;
 use crate::wavelet::Filters;
@@ -97,13 +98,15 @@ fn cut_to(model: &Model, stream: &Encoded, length: usize) -> (Vec<u8>, Model) {
     let bytes = stream.bytes[..length].to_vec();
     let hierarchy = surface.hierarchy().as_ref().clone();
     let filters = Filters::new(&hierarchy, surface.form().wavelet).expect("they were solved before");
-    let decoded =
-        decode_stream(&hierarchy, &filters, stream.coding, &bytes).expect("the base positions are there");
+    let others = stream.coding.filters(&hierarchy, surface.form().wavelet).expect("they were solved before");
+    let decoded = decode_stream(&hierarchy, others.as_ref().unwrap_or(&filters), stream.coding, &bytes)
+        .expect("the base positions are there");
     let held = surface_of(hierarchy, filters, surface.form().clone(), decoded).expect("a surface holds it");
     let borders = stream.borders.iter().copied().filter(|border| border.position <= length).collect();
-    let mut smaller = Model::new(held, None, model.metadata.clone());
+    let mut smaller = Model::new(held, None, Metadata::default());
     smaller.unknown.clone_from(&model.unknown);
-    (encode_parts(&smaller, &Encoded { coding: stream.coding, bytes, borders }), smaller)
+    let parts = if length == stream.bytes.len() { Parts::Many } else { Parts::Few };
+    (encode_parts(&smaller, &Encoded { coding: stream.coding, bytes, borders }, parts), smaller)
 }
 
 fn psnr(mesh: &TriangleMesh, surface: &Surface) -> f64 {

@@ -100,25 +100,48 @@ impl Model {
 /// Writes a wavelet file, every bit of the surface. Deterministic: equal models give equal bytes, at any number of
 /// threads.
 pub fn encode(model: &Model) -> Vec<u8> {
-    encode_parts(model, &stream_of(&model.surface))
+    encode_parts(model, &stream_of(&model.surface), Parts::Many)
+}
+
+/// Into how many `WAVE` chunks a stream is cut. Each takes some 14 bytes; a part of one is of no use to a reader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Parts {
+    /// A chunk has at least a quarter and at most half of what is before it.
+    Many,
+    /// As much as is before it: for files that are small by choice.
+    Few,
+}
+
+impl Parts {
+    /// How many bytes of the stream a `WAVE` chunk has at least after so many, if there is a border.
+    fn least(self, from: usize) -> usize {
+        LEAST.max(if self == Parts::Many { from / 4 } else { 3 * from / 4 })
+    }
+
+    /// How many it has at most.
+    fn most(self, from: usize) -> usize {
+        LEAST.max(if self == Parts::Many { from / 2 } else { from + LEAST }).min(MOST)
+    }
 }
 
 /// The file of a model whose surface a stream holds.
-pub(super) fn encode_parts(model: &Model, stream: &Encoded) -> Vec<u8> {
+pub(super) fn encode_parts(model: &Model, stream: &Encoded, parts: Parts) -> Vec<u8> {
     let surface = &model.surface;
     let base = surface.hierarchy().base();
     let mut chunks = vec![
         Chunk::stored(HEAD, true, header::encode(surface, stream.coding)),
         Chunk::stored(BASE, true, encode_base(base.vertex_count(), base.faces(), &base.sharp_edges())),
     ];
-    chunks.extend(wave_chunks(stream));
+    chunks.extend(wave_chunks(stream, parts));
     chunks.push(Chunk::stored(END, true, Vec::new()));
     if let Some(source) = &model.source {
         let raw: Vec<u8> = source.iter().flat_map(|v| v.to_le_bytes()).collect();
         chunks.push(Chunk::new(SOURCE, false, &raw));
     }
-    let metadata = serde_json::to_vec(&model.metadata).expect("metadata is plain data");
-    chunks.push(Chunk::new(META, false, &metadata));
+    if model.metadata != Metadata::default() {
+        let metadata = serde_json::to_vec(&model.metadata).expect("metadata is plain data");
+        chunks.push(Chunk::new(META, false, &metadata));
+    }
     chunks.extend(model.unknown.iter().cloned());
 
     let mut file = chunk::preamble(chunk::VERSION).to_vec();
@@ -137,22 +160,22 @@ pub(super) fn finest_stream(surface: &Surface) -> Encoded {
 }
 
 fn stream(surface: &Surface, granularity: Granularity) -> Encoded {
-    encode_stream(surface, Coding::Butterfly, granularity)
+    encode_stream(surface, Coding::best(surface), granularity)
 }
 
 /// The stream in chunks, each with the error that it leaves: cut at borders where they are not too far apart.
-fn wave_chunks(stream: &Encoded) -> Vec<Chunk> {
+fn wave_chunks(stream: &Encoded, parts: Parts) -> Vec<Chunk> {
     let mut chunks = Vec::new();
     let (mut from, mut before) = (0, stream.borders[0]);
     for (at, &border) in stream.borders.iter().enumerate() {
         let last = at + 1 == stream.borders.len();
         // Of a long block a part is worth having too.
-        while border.position - from > most(from) {
-            let to = from + most(from);
+        while border.position - from > parts.most(from) {
+            let to = from + parts.most(from);
             chunks.push(wave_chunk(&stream.bytes[from..to], before.error));
             from = to;
         }
-        if last || border.position - from >= LEAST.max(from / 4) {
+        if last || border.position - from >= parts.least(from) {
             let to = if last { stream.bytes.len() } else { border.position };
             chunks.push(wave_chunk(&stream.bytes[from..to], border.error));
             from = to;
@@ -160,11 +183,6 @@ fn wave_chunks(stream: &Encoded) -> Vec<Chunk> {
         before = border;
     }
     chunks
-}
-
-/// How many bytes of the stream a `WAVE` chunk has at most after so many.
-fn most(from: usize) -> usize {
-    LEAST.max(from / 2).min(MOST)
 }
 
 /// The error, as the upper half of an `f32` in steps, and a part of the stream.
@@ -212,7 +230,12 @@ impl Reader<'_> {
         let filters = Filters::new(&hierarchy, head.form.wavelet)
             .map_err(|e| self.error(base_at, e.to_string(), "import the model again"))?;
         let (stream, complete, curve) = self.stream(head.form.placement.step)?;
-        let Some(decoded) = decode_stream(&hierarchy, &filters, head.coding, &stream) else {
+        let others = head
+            .coding
+            .filters(&hierarchy, head.form.wavelet)
+            .map_err(|e| self.error(head_at, e.to_string(), RESTORE))?;
+        let weights = others.as_ref().unwrap_or(&filters);
+        let Some(decoded) = decode_stream(&hierarchy, weights, head.coding, &stream) else {
             return Err(self.error(
                 self.at,
                 "the file ends before its base mesh does",

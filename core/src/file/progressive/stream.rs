@@ -415,9 +415,10 @@ pub(in crate::file) struct Encoded {
 /// Writes a surface as a stream. `O(n_J)` for each plane.
 pub(in crate::file) fn encode_stream(surface: &Surface, coding: Coding, granularity: Granularity) -> Encoded {
     let (hierarchy, finest) = (surface.hierarchy(), surface.finest());
-    let filters = coding.filters(hierarchy);
+    let others =
+        coding.filters(hierarchy, surface.form().wavelet).expect("the writer chose what can be solved");
     let transform =
-        Transform { coding, hierarchy, filters: filters.as_ref().unwrap_or_else(|| surface.filters()) };
+        Transform { coding, hierarchy, filters: others.as_ref().unwrap_or_else(|| surface.filters()) };
     let (base, local) = match coding {
         Coding::Own => {
             let details = (0..finest.0).map(|j| surface.wavelets(Level(j)).to_vec());
@@ -471,16 +472,15 @@ pub(in crate::file) enum Held {
     Finest(Vec<Vector>),
 }
 
-/// Reads a stream as far as it goes; `filters` are the surface's. `None` if the base positions are not all there. `O(n_J)`
-/// for each plane.
+/// Reads a stream as far as it goes, in the given transform. `None` if the base positions are not all there. `O(n_J)` for
+/// each plane.
 pub(in crate::file) fn decode_stream(
     hierarchy: &Hierarchy,
     filters: &Filters,
     coding: Coding,
     bytes: &[u8],
 ) -> Option<Decoded> {
-    let own = coding.filters(hierarchy);
-    let mut state = State::new(Transform { coding, hierarchy, filters: own.as_ref().unwrap_or(filters) });
+    let mut state = State::new(Transform { coding, hierarchy, filters });
     let mut decoder = Decoder::new(bytes);
     let mut truth = Truth::default();
     if !state.beginning(&mut decoder, &truth) {

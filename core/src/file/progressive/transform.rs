@@ -6,41 +6,77 @@
 
 use super::butterfly::{Curves, bends};
 use crate::hierarchy::{Hierarchy, Layout, Level};
-use crate::surface::Vector;
+use crate::surface::{Surface, Vector};
 use crate::wavelet::lifting::{minus, plus};
-use crate::wavelet::{Filters, Wavelet, rows};
+use crate::wavelet::{Filters, ValenceTooHigh, Wavelet, rows};
 use rayon::prelude::*;
 
+/// Transforms are compared by what coefficients have above this many bits of the surface's half extent: about the detail
+/// of 75 dB.
+const SEEN_BITS: u8 = 12;
+
 /// Which transform.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::file) enum Coding {
-    /// The surface's wavelet.
-    #[default]
+    /// The surface's own.
     Own,
-    /// Means of parents and the 0-disc wavelet.
-    Linear,
-    /// The butterfly scheme and the 0-disc wavelet's update.
-    Butterfly,
+    /// The butterfly scheme with the update of a wavelet.
+    Butterfly(Wavelet),
 }
 
 impl Coding {
-    /// All that exist.
-    pub(in crate::file) const ALL: [Coding; 3] = [Coding::Own, Coding::Linear, Coding::Butterfly];
-
-    /// The number that stands for it in files.
+    /// The number that stands for it in files: 0, or the wavelet's code and 1.
     pub(in crate::file) fn code(self) -> u8 {
-        self as u8
+        match self {
+            Coding::Own => 0,
+            Coding::Butterfly(wavelet) => wavelet.code() + 1,
+        }
     }
 
     /// The transform with a given code.
     pub(in crate::file) fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.into_iter().find(|coding| coding.code() == code)
+        match code {
+            0 => Some(Coding::Own),
+            code => Wavelet::from_code(code - 1).map(Coding::Butterfly),
+        }
     }
 
-    /// The weights of its update; `None` if they are the surface's.
-    pub(in crate::file) fn filters(self, hierarchy: &Hierarchy) -> Option<Filters> {
-        let zero_disc = || Filters::new(hierarchy, Wavelet::Disc(0)).expect("its systems are small");
-        (self != Coding::Own).then(zero_disc)
+    /// The butterfly scheme with the surface's own update, or with the 0-disc one where that is lazy; the surface's own
+    /// transform where its coefficients have fewer bits, as those of flat faces without marked edges. `O(n_J)`.
+    pub(in crate::file) fn best(surface: &Surface) -> Self {
+        let hierarchy = surface.hierarchy();
+        let coding = Coding::Butterfly(match surface.form().wavelet {
+            Wavelet::Lazy => Wavelet::Disc(0),
+            disc => disc,
+        });
+        let others =
+            coding.filters(hierarchy, surface.form().wavelet).expect("small systems, or solved before");
+        let filters = others.as_ref().unwrap_or_else(|| surface.filters());
+        let (_, details) =
+            Transform { coding, hierarchy, filters }.analyse(surface.scaling(surface.finest()));
+        let unseen = u32::from(surface.form().precision.saturating_sub(SEEN_BITS));
+        let bits = |details: &[Vector]| -> u64 {
+            let of = |x: &i32| u64::from(32 - (x.unsigned_abs() >> unseen).leading_zeros());
+            details.par_iter().map(|d| d.iter().map(of).sum::<u64>()).sum()
+        };
+        let smooth: u64 = details.iter().map(|details| bits(details)).sum();
+        let own: u64 = (0..surface.finest().0).map(|j| bits(surface.wavelets(Level(j)))).sum();
+        if own < smooth { Coding::Own } else { coding }
+    }
+
+    /// The weights of its update; `None` if they are those of the surface's wavelet.
+    ///
+    /// # Errors
+    /// A base vertex has too high a valence.
+    pub(in crate::file) fn filters(
+        self,
+        hierarchy: &Hierarchy,
+        own: Wavelet,
+    ) -> Result<Option<Filters>, ValenceTooHigh> {
+        match self {
+            Coding::Butterfly(wavelet) if wavelet != own => Filters::new(hierarchy, wavelet).map(Some),
+            _ => Ok(None),
+        }
     }
 }
 
@@ -55,7 +91,7 @@ pub(super) struct Transform<'a> {
 impl Transform<'_> {
     /// Whether details are what a smooth prediction leaves.
     pub(super) fn bends(self) -> bool {
-        self.coding == Coding::Butterfly
+        self.coding != Coding::Own
     }
 
     /// One level of analysis: `c^{j+1}` to `d^j` and `c^j`. `O(n_{j+1})`.
@@ -161,6 +197,7 @@ mod tests {
     use super::*;
     use crate::hierarchy::{BaseMesh, Slot};
     use crate::mesh::shapes;
+    use crate::surface::FormOptions;
     use std::sync::Arc;
 
     fn numbers(count: u32, bits: u32, seed: u32) -> Vec<Vector> {
@@ -181,9 +218,9 @@ mod tests {
                     BaseMesh::new(mesh.positions.len() as u32, mesh.faces.clone(), &marks).expect(name);
                 let hierarchy = Hierarchy::new(Arc::new(base), Level(4)).expect("small");
                 let own = Filters::new(&hierarchy, Wavelet::Disc(1)).expect("small valences");
-                for coding in Coding::ALL {
-                    let zero = coding.filters(&hierarchy);
-                    let filters = zero.as_ref().unwrap_or(&own);
+                for coding in (0..5).map(|code| Coding::from_code(code).expect("known")) {
+                    let others = coding.filters(&hierarchy, Wavelet::Disc(1)).expect("small valences");
+                    let filters = others.as_ref().unwrap_or(&own);
                     let transform = Transform { coding, hierarchy: &hierarchy, filters };
                     for (j, bits) in (0..4u8).flat_map(|j| [(j, 24), (j, 32)]) {
                         let count = hierarchy.layout(Level(j + 1)).len();
@@ -214,6 +251,31 @@ mod tests {
         }
     }
 
+    /// A flat octahedron whose edges are not marked is written in its own transform, a ball is not.
+    #[test]
+    fn flat_faces_keep_their_own_transform() {
+        let chosen = |of: fn([f64; 3]) -> [f64; 3]| {
+            let mesh = shapes::octahedron();
+            let base = BaseMesh::new(6, mesh.faces.clone(), &[]).expect("a base mesh");
+            let hierarchy = Hierarchy::new(Arc::new(base), Level(5)).expect("small");
+            let layout = hierarchy.layout(Level(5));
+            let place = |slot: u32| {
+                let (face, b) = layout.chart(layout.site(Slot(slot)));
+                let corners = hierarchy.base().faces()[face as usize].map(|v| mesh.positions[v as usize]);
+                of([0, 1, 2].map(|c| (0..3).map(|k| f64::from(b[k]) * corners[k][c]).sum::<f64>()))
+            };
+            let positions: Vec<[f64; 3]> = (0..layout.len()).map(place).collect();
+            let form = FormOptions { wavelet: Wavelet::Disc(1), ..FormOptions::default() };
+            Coding::best(&Surface::from_positions(hierarchy, &positions, &form).expect("small valences"))
+        };
+        assert_eq!(chosen(|p| p), Coding::Own);
+        let ball = |p: [f64; 3]| {
+            let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+            p.map(|x| x / length)
+        };
+        assert_eq!(chosen(ball), Coding::Butterfly(Wavelet::Disc(1)));
+    }
+
     /// Of a smooth surface the butterfly scheme leaves less than the mean of parents does.
     #[test]
     fn smooth_surfaces_have_small_details() {
@@ -230,14 +292,14 @@ mod tests {
                 p.map(|x| (x / length * f64::from(1 << 20)).round() as i32)
             })
             .collect();
+        let filters = Filters::new(&hierarchy, Wavelet::Disc(0)).expect("small valences");
         let size = |coding: Coding| {
-            let filters = coding.filters(&hierarchy).expect("its own");
             let (_, details) =
                 Transform { coding, hierarchy: &hierarchy, filters: &filters }.analyse(&finest);
             let last = details.last().expect("six levels");
             last.iter().flatten().map(|x| f64::from(x.abs())).sum::<f64>()
         };
-        let (linear, butterfly) = (size(Coding::Linear), size(Coding::Butterfly));
+        let (linear, butterfly) = (size(Coding::Own), size(Coding::Butterfly(Wavelet::Disc(0))));
         assert!(3.0 * butterfly < linear, "{butterfly} of {linear}");
     }
 }
