@@ -59,6 +59,30 @@ fn up_axis_and_unit_are_kept_and_coordinates_come_back() {
     }
 }
 
+/// Edges that the file marks become sharp, and leave with the export.
+#[test]
+fn marked_edges_are_kept_and_exported() {
+    let work = Workplace::new();
+    let mesh = tall();
+    let ring = |v: u32| mesh.positions[v as usize][2] == 30.0;
+    let mut text = obj(&mesh);
+    for &[a, b, c] in &mesh.faces {
+        for [a, b] in [[a, b], [b, c], [c, a]].into_iter().filter(|ends| ends.iter().all(|&v| ring(v))) {
+            text += &format!("l {} {}\n", a + 1, b + 1);
+        }
+    }
+    work.write("ring.obj", text);
+    work.write("plain.obj", obj(&mesh));
+    for (name, marked) in [("ring", true), ("plain", false)] {
+        let (model, wavelets) = (format!("{name}.obj"), format!("{name}.boz"));
+        work.json(&[&["import", &model, "-o", &wavelets][..], &SMALL].concat());
+        let sharp = work.json(&["info", &wavelets])["sharp_edges"].as_u64().expect("a count");
+        work.succeeds(&["export", &wavelets, "-o", "out.obj"]);
+        let lines = work.text("out.obj").lines().filter(|line| line.starts_with("l ")).count() as u64;
+        assert_eq!((sharp > 2, lines), (marked, 4 * sharp), "{name}");
+    }
+}
+
 /// A model whose z axis is up is drawn upright: as its copy, turned, whose y axis is.
 #[test]
 fn a_model_with_z_up_is_drawn_upright() {

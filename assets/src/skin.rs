@@ -28,7 +28,7 @@ impl Skin {
     /// The same mesh as the library's type.
     pub fn to_triangle_mesh(&self) -> TriangleMesh {
         let positions = self.positions.iter().map(|p| [p.x, p.y, p.z]).collect();
-        TriangleMesh { positions, faces: self.faces.clone() }
+        TriangleMesh::new(positions, self.faces.clone())
     }
 
     /// The neighbours of every vertex, ascending.

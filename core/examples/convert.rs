@@ -42,7 +42,7 @@ fn main() {
     let surface =
         Surface::from_positions(result.hierarchy.clone(), &result.positions, &FormOptions::default())
             .expect("a surface");
-    let out = TriangleMesh { positions: result.positions, faces: result.hierarchy.triangles(level) };
+    let out = TriangleMesh::new(result.positions, result.hierarchy.triangles(level));
     let options = CompareOptions { samples: 1_000_000, seed: 5 };
     let measured = compare(&mesh, &out, &options, &|_| true).expect("a comparison");
     let base = result.hierarchy.base();

@@ -38,7 +38,7 @@ fn shuffle(mesh: &TriangleMesh, seed: u64, flips: u32) -> Shuffled {
         face
     });
     let faces = faces.collect();
-    Shuffled { mesh: TriangleMesh { positions, faces }, moved: moved[..count as usize].to_vec() }
+    Shuffled { mesh: TriangleMesh::new(positions, faces), moved: moved[..count as usize].to_vec() }
 }
 
 fn find(mesh: &TriangleMesh, most: u8) -> Option<Detected> {
@@ -299,10 +299,10 @@ fn what_is_not_subdivided_is_not_found() {
 #[test]
 fn a_soup_of_a_subdivided_mesh_keeps_its_vertices() {
     let whole = shapes::subdivide(&shapes::pretzel(2), 2);
-    let soup = TriangleMesh {
-        positions: whole.faces.iter().flatten().map(|&v| whole.positions[v as usize]).collect(),
-        faces: (0..whole.faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
-    };
+    let soup = TriangleMesh::new(
+        whole.faces.iter().flatten().map(|&v| whole.positions[v as usize]).collect(),
+        (0..whole.faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
+    );
     let converted = convert(&soup, &ConversionOptions::default()).expect("a conversion");
     assert!(converted.hierarchy.finest() >= Level(2) && converted.measured.is_none());
     let repeated = soup.positions.len() - whole.positions.len();
@@ -357,10 +357,10 @@ fn what_is_no_manifold_is_an_error() {
     assert_eq!(of(&with(1, &[[a, count, count]])), NotManifold::Degenerate { face, vertex: count });
     assert_eq!(of(&with(0, &[[a, b, count]])), NotManifold::MissingVertex { face, vertex: count });
     // A band of triangles closed with a twist, subdivided or not.
-    let band = TriangleMesh {
-        positions: (0..5).map(|k| [f64::from(k), f64::from(k * k % 3), 1.0]).collect(),
-        faces: (0..5u32).map(|k| [k, (k + 1) % 5, (k + 2) % 5]).collect(),
-    };
+    let band = TriangleMesh::new(
+        (0..5).map(|k| [f64::from(k), f64::from(k * k % 3), 1.0]).collect(),
+        (0..5u32).map(|k| [k, (k + 1) % 5, (k + 2) % 5]).collect(),
+    );
     for levels in 0..3 {
         let band = shapes::subdivide(&band, levels);
         let NotManifold::NotOrientable { a, b } = of(&band) else { panic!("a Möbius band") };

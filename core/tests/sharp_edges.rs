@@ -69,7 +69,7 @@ fn sheet() -> TriangleMesh {
     }
     let quads = (0..size - 1).flat_map(|y| (0..size - 1).map(move |x| y * size + x));
     let faces = quads.flat_map(|v| [[v, v + 1, v + size], [v + 1, v + size + 1, v + size]]).collect();
-    TriangleMesh { positions, faces }
+    TriangleMesh::new(positions, faces)
 }
 
 /// A cylinder with caps, its sides smooth but for its rims.
@@ -105,7 +105,7 @@ fn cylinder() -> TriangleMesh {
         faces.push([south, at(0, k + 1), at(0, k)]);
         faces.push([north, at(count - 1, k), at(count - 1, k + 1)]);
     }
-    TriangleMesh { positions, faces }
+    TriangleMesh::new(positions, faces)
 }
 
 fn converted(mesh: &TriangleMesh, base_faces: usize, sharp_angle: Option<f64>) -> Remeshed {

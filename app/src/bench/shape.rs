@@ -93,7 +93,7 @@ fn globe() -> TriangleMesh {
             faces.push([b, c, d]);
         }
     }
-    TriangleMesh { positions, faces }
+    TriangleMesh::new(positions, faces)
 }
 
 #[cfg(test)]

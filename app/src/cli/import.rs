@@ -45,7 +45,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "T")]
     tolerance: Option<f64>,
     /// Edges sharper than this angle, 0 to 180 degrees, stay sharp at every level; 180 keeps none. Left out, they do on
-    /// meshes that look made, such as mechanical parts, and on no others.
+    /// meshes that look made, such as mechanical parts, and on no others. Edges marked in the file stay sharp in any case:
+    /// in OBJ those of `l` lines and between smoothing groups, in PLY the elements `edge`.
     #[arg(long, value_name = "DEGREES", value_parser = degrees)]
     sharp_angle: Option<f64>,
     /// Upper limit of base faces; chosen from the mesh if left out.

@@ -88,10 +88,10 @@ mod tests {
         assert_eq!((equal.counts[11], equal.well_shaped), (8, 1.0));
         let right = Angles::of(&shapes::triangle());
         assert_eq!(right.counts.iter().position(|&n| n == 1), Some(9), "45 degrees");
-        let needle = TriangleMesh {
-            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.05, 0.0], [2.0, 0.0, 0.0]],
-            faces: vec![[0, 1, 2], [0, 1, 3]],
-        };
+        let needle = TriangleMesh::new(
+            vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.05, 0.0], [2.0, 0.0, 0.0]],
+            vec![[0, 1, 2], [0, 1, 3]],
+        );
         let thin = Angles::of(&needle);
         assert_eq!((thin.counts[0], thin.well_shaped, thin.least), (2, 0.0, 0.0));
     }

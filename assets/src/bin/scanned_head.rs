@@ -26,7 +26,7 @@ fn main() -> Result<()> {
     // Eyes and mouth are scanned from nearer by.
     let scan = decimate(&dense, faces, &|p| 1.0 / spacing(p)).to_triangle_mesh();
     let single = |p: &[f64; 3]| p.map(|x| f64::from(x as f32));
-    let scan = TriangleMesh { positions: scan.positions.iter().map(single).collect(), faces: scan.faces };
+    let scan = TriangleMesh::new(scan.positions.iter().map(single).collect(), scan.faces);
     let file = std::fs::File::create(&path).with_context(|| path.clone())?;
     write_mesh(&scan, MeshFormat::Ply, &mut std::io::BufWriter::new(file)).with_context(|| path.clone())?;
     println!("{path}: {} vertices, {} faces", scan.positions.len(), scan.faces.len());

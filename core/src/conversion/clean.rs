@@ -9,10 +9,12 @@ use crate::mesh::connectivity::{Connectivity, NotManifold};
 use cut::{cut, edges_of_many};
 use disjoint_sets::DisjointSets;
 use glam::DVec3;
+use marks::Marks;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 mod cut;
 mod disjoint_sets;
+mod marks;
 pub(super) mod weld;
 
 /// Components with less area than this fraction of the squared diagonal are dropped: nothing of them can be seen, and
@@ -100,14 +102,17 @@ pub struct Cleaned {
     pub positions: Vec<[f64; 3]>,
     /// The faces, oriented, and their neighbours.
     pub connectivity: Connectivity,
+    /// The edges that are marked as sharp.
+    pub sharp_edges: Vec<[u32; 2]>,
     /// What was repaired.
     pub report: CleanReport,
 }
 
 impl Cleaned {
-    /// The mesh as positions and faces.
+    /// The mesh as positions, faces and marks.
     pub fn to_mesh(&self) -> TriangleMesh {
-        TriangleMesh { positions: self.positions.clone(), faces: self.connectivity.faces().to_vec() }
+        TriangleMesh::new(self.positions.clone(), self.connectivity.faces().to_vec())
+            .with_sharp_edges(self.sharp_edges.clone())
     }
 }
 
@@ -126,6 +131,7 @@ pub fn clean(mesh: &TriangleMesh, weld: f64) -> Option<Cleaned> {
         false => weld::equal(&mesh.positions, &used),
     };
     report.welded = (0u32..).zip(&merged).filter(|(v, other)| v != *other).count();
+    let marks = Marks::new(mesh, &merged);
     let mut faces: Vec<[u32; 3]> = mesh.faces.iter().map(|f| f.map(|v| merged[v as usize])).collect();
     drop_degenerate_and_doubled(&mut faces, &mut report);
 
@@ -152,7 +158,10 @@ pub fn clean(mesh: &TriangleMesh, weld: f64) -> Option<Cleaned> {
     while !faces.is_empty() {
         let (positions, numbered) = compact(&positions, &faces);
         match Connectivity::build(positions.len() as u32, numbered.clone()) {
-            Ok(connectivity) => return Some(Cleaned { positions, connectivity, report }),
+            Ok(connectivity) => {
+                let sharp_edges = marks.found(&positions, &connectivity);
+                return Some(Cleaned { positions, connectivity, sharp_edges, report });
+            }
             Err(obstacle) => {
                 let mut kept = numbered.iter().map(|face| !stands_in_the_way(face, &obstacle, &numbered));
                 let before = faces.len();

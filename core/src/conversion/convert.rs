@@ -3,6 +3,7 @@
 
 use super::clean::CleanReport;
 use super::clean::weld::equal;
+use super::marks::mark;
 use super::remesh::{Phase, RemeshError, RemeshOptions, remesh};
 use crate::hierarchy::detection::{Detected, detect, own_base};
 use crate::hierarchy::{FINEST_LEVEL, Hierarchy, NotABaseMesh};
@@ -110,29 +111,38 @@ pub fn convert_with_progress(
     {
         return Err(NotManifold::MissingVertex { face, vertex }.into());
     }
-    let (Detected { hierarchy, source }, kind) = match options.remesh {
+    let own = || mesh.sharp_edges.clone();
+    let (detected, kind, marks) = match options.remesh {
         Remesh::Always => return remeshed(mesh, options, progress),
         Remesh::Auto => match detect_in(mesh, options).ok().flatten() {
-            Some(detected) => (detected, Kind::AsItIs),
+            Some(detected) => (detected, Kind::AsItIs, own()),
             None => match detect_welded(mesh, options) {
-                Some((detected, merged)) => (detected, Kind::Welded(merged)),
+                Some(Welded { detected, merged, marks }) => (detected, Kind::Welded(merged), marks),
                 None => return remeshed(mesh, options, progress),
             },
         },
         Remesh::Never => match detect_in(mesh, options)? {
-            Some(detected) => (detected, Kind::AsItIs),
-            None => (own_base_of_used(mesh)?, Kind::OwnBase),
+            Some(detected) => (detected, Kind::AsItIs, own()),
+            None => (own_base_of_used(mesh)?, Kind::OwnBase, own()),
         },
     };
     let merged = if let Kind::Welded(merged) = kind { merged } else { 0 };
     let report = CleanReport {
         welded: merged,
-        unreferenced: mesh.positions.len() - source.len() - merged,
+        unreferenced: mesh.positions.len() - detected.source.len() - merged,
         ..CleanReport::default()
     };
+    let (Detected { hierarchy, source }, left) = mark(detected, &marks);
+    let mut cleaned = report.sentences();
+    if left > 0 {
+        cleaned.push(format!(
+            "{left} of {} edges marked as sharp stay smooth: they do not run all along an edge of the base mesh",
+            marks.len()
+        ));
+    }
     let positions = source.par_iter().map(|&v| mesh.positions[v as usize]).collect();
     let source = (kind != Kind::OwnBase).then_some(source);
-    Ok(Converted { hierarchy, positions, source, cleaned: report.sentences(), measured: None })
+    Ok(Converted { hierarchy, positions, source, cleaned, measured: None })
 }
 
 /// How a mesh came to a hierarchy without remeshing.
@@ -150,9 +160,17 @@ fn detect_in(mesh: &TriangleMesh, options: &ConversionOptions) -> Result<Option<
     detect(mesh.positions.len() as u32, &mesh.faces, options.levels.unwrap_or(FINEST_LEVEL))
 }
 
-/// Subdivision connectivity of the mesh with vertices at exactly the same place made one, and how many were merged.
+/// Subdivision connectivity of a mesh with vertices at exactly the same place made one.
+struct Welded {
+    detected: Detected,
+    /// How many vertices were merged with another.
+    merged: usize,
+    /// The mesh's sharp edges between the vertices left.
+    marks: Vec<[u32; 2]>,
+}
+
 /// `None` if there are no such vertices: seams of textures and soups have them.
-fn detect_welded(mesh: &TriangleMesh, options: &ConversionOptions) -> Option<(Detected, usize)> {
+fn detect_welded(mesh: &TriangleMesh, options: &ConversionOptions) -> Option<Welded> {
     let mut used = vec![false; mesh.positions.len()];
     mesh.faces.iter().flatten().for_each(|&v| used[v as usize] = true);
     let first = equal(&mesh.positions, &used);
@@ -163,7 +181,9 @@ fn detect_welded(mesh: &TriangleMesh, options: &ConversionOptions) -> Option<(De
     let faces: Vec<[u32; 3]> = mesh.faces.iter().map(|face| face.map(|v| first[v as usize])).collect();
     let levels = options.levels.unwrap_or(FINEST_LEVEL);
     let detected = detect(mesh.positions.len() as u32, &faces, levels).ok()??;
-    Some((detected, merged))
+    let ends = mesh.sharp_edges.iter().map(|ends| ends.map(|v| first[v as usize])).collect();
+    let marks = TriangleMesh::default().with_sharp_edges(ends).sharp_edges;
+    Some(Welded { detected, merged, marks })
 }
 
 fn remeshed(

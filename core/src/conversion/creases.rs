@@ -1,6 +1,6 @@
 //! The sharp edges of a mesh, and the corners where they and the boundary keep their places.
 //!
-//! An edge is sharp when its faces meet at more than an angle. What scans are full of does not count: short chains
+//! An edge is sharp when it is marked, or when its faces meet at more than an angle. What scans are full of does not count: short chains
 //! with a loose end, and small islands. When the angle is not given, the mesh must look made: nearly all that is
 //! above the angle lies on long chains. On seven models from 6 k to 100 k faces that is all of it on the mechanical
 //! one and at most 0.54 of it on the others.
@@ -19,6 +19,8 @@ const LEAST_SHARE: f64 = 0.85;
 /// Edges of the shortest chain with a loose end that counts, and of the smallest island: when no angle is given, and
 /// when one is.
 const SHORTEST: [usize; 2] = [8, 4];
+/// Corners of marked edges at most, for each corner allowed those that are found by their angle.
+const MARKED_CORNERS: usize = 2;
 /// Edges looked at on either side of a corner.
 const REACH: usize = 3;
 /// Least turn of a curve in a corner, and the most turn on either side of it, degrees.
@@ -36,8 +38,9 @@ pub(super) struct Creases {
 }
 
 impl Creases {
-    /// Finds them. `angle` in degrees, 180 for no sharp edges; without one there are at most `most_corners` corners
-    /// and only on meshes that look made. Linear.
+    /// Finds them: the marked ones and those above an `angle` in degrees, 180 for none. With neither there are at most
+    /// `most_corners` corners and only on meshes that look made. Marks with more than [`MARKED_CORNERS`] times as many
+    /// corners are passed over. Linear.
     pub(super) fn find(
         mesh: &TriangleMesh,
         connectivity: &Connectivity,
@@ -48,7 +51,12 @@ impl Creases {
         let above =
             |angle: f64| bends.iter().filter(move |bend| bend.1 > angle.to_radians()).map(|bend| bend.0);
         let count = mesh.positions.len();
+        let mut marked = Self::joined(count, marked_inside(mesh, connectivity));
+        if marked.knots() > MARKED_CORNERS * most_corners {
+            marked = Self::none(count);
+        }
         let found = match angle {
+            None if marked.edges().next().is_some() => Self::none(count),
             Some(angle) => Self::without_dust(count, above(angle), SHORTEST[1]),
             None => ANGLES
                 .into_iter()
@@ -57,12 +65,43 @@ impl Creases {
                     let length = |[a, b]: [u32; 2]| place(mesh, a).distance(place(mesh, b));
                     let whole: f64 = all.clone().map(length).sum();
                     let kept: f64 = found.edges().map(length).sum();
-                    let corners = found.ends.iter().filter(|ends| !matches!(ends.len(), 0 | 2)).count();
-                    kept >= LEAST_SHARE * whole && corners <= most_corners
+                    kept >= LEAST_SHARE * whole && found.knots() <= most_corners
                 })
                 .map_or_else(|| Self::none(count), |(found, _)| found),
         };
-        found.with_corners(mesh, connectivity)
+        let all = if marked.edges().next().is_some() {
+            marked.add(found.edges());
+            marked
+        } else {
+            found
+        };
+        all.with_corners(mesh, connectivity)
+    }
+
+    /// The marked edges alone, and corners.
+    pub(super) fn marked(mesh: &TriangleMesh, connectivity: &Connectivity) -> Self {
+        Self::joined(mesh.positions.len(), marked_inside(mesh, connectivity)).with_corners(mesh, connectivity)
+    }
+
+    fn joined(count: usize, edges: impl IntoIterator<Item = [u32; 2]>) -> Self {
+        let mut joined = Self::none(count);
+        joined.add(edges);
+        joined
+    }
+
+    /// Adds the edges that are not there yet.
+    fn add(&mut self, edges: impl IntoIterator<Item = [u32; 2]>) {
+        for [a, b] in edges {
+            if !self.holds(a, b) {
+                self.ends[a as usize].push(b);
+                self.ends[b as usize].push(a);
+            }
+        }
+    }
+
+    /// How many vertices there are where one sharp edge ends or more than two meet.
+    fn knots(&self) -> usize {
+        self.ends.iter().filter(|ends| !matches!(ends.len(), 0 | 2)).count()
     }
 
     fn none(count: usize) -> Self {
@@ -71,11 +110,7 @@ impl Creases {
 
     /// The edges without loose chains and islands of fewer than `shortest`.
     fn without_dust(count: usize, edges: impl Iterator<Item = [u32; 2]>, shortest: usize) -> Self {
-        let mut found = Self::none(count);
-        for [a, b] in edges {
-            found.ends[a as usize].push(b);
-            found.ends[b as usize].push(a);
-        }
+        let mut found = Self::joined(count, edges);
         let mut loose: Vec<u32> = (0..count as u32).filter(|&v| found.ends[v as usize].len() == 1).collect();
         // A dropped chain may leave another loose end where it joined.
         while let Some(v) = loose.pop() {
@@ -198,6 +233,23 @@ impl Creases {
     }
 }
 
+/// The marked edges that two faces share.
+fn marked_inside(mesh: &TriangleMesh, connectivity: &Connectivity) -> Vec<[u32; 2]> {
+    if mesh.sharp_edges.is_empty() {
+        return Vec::new();
+    }
+    inner_edges(connectivity)
+        .map(|h| [connectivity.origin(h), connectivity.target(h)])
+        .filter(|&[a, b]| mesh.sharp_edges.binary_search(&[a.min(b), a.max(b)]).is_ok())
+        .collect()
+}
+
+/// Every edge inside once, as a half-edge.
+fn inner_edges(connectivity: &Connectivity) -> impl Iterator<Item = u32> + '_ {
+    (0..3 * connectivity.faces().len() as u32)
+        .filter(|&h| connectivity.twin(h) != NONE && h < connectivity.twin(h))
+}
+
 /// Every edge inside, and the angle between its faces' normals.
 fn bends(mesh: &TriangleMesh, connectivity: &Connectivity) -> Vec<([u32; 2], f64)> {
     let normals: Vec<DVec3> = connectivity
@@ -208,8 +260,7 @@ fn bends(mesh: &TriangleMesh, connectivity: &Connectivity) -> Vec<([u32; 2], f64
             (b - a).cross(c - a).normalize_or_zero()
         })
         .collect();
-    (0..3 * normals.len() as u32)
-        .filter(|&h| connectivity.twin(h) != NONE && h < connectivity.twin(h))
+    inner_edges(connectivity)
         .map(|h| {
             let [n, m] = [h, connectivity.twin(h)].map(|h| normals[h as usize / 3]);
             ([connectivity.origin(h), connectivity.target(h)], libm::atan2(n.cross(m).length(), n.dot(m)))

@@ -39,9 +39,6 @@ impl Fitted {
     }
 
     pub(super) fn mesh(&self, positions: &[DVec3]) -> TriangleMesh {
-        TriangleMesh {
-            positions: positions.iter().map(|p| p.to_array()).collect(),
-            faces: self.pattern.faces().to_vec(),
-        }
+        TriangleMesh::new(positions.iter().map(|p| p.to_array()).collect(), self.pattern.faces().to_vec())
     }
 }

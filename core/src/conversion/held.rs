@@ -118,7 +118,7 @@ fn curves(mesh: &TriangleMesh, rows: &[Vec<u32>]) -> Option<BoundingVolumes> {
         faces.extend((first + 1..last).map(|k| [k - 1, k, k]));
         first = last;
     }
-    BoundingVolumes::build(&TriangleMesh { positions, faces })
+    BoundingVolumes::build(&TriangleMesh::new(positions, faces))
 }
 
 /// The vertex next to a base vertex on one of its edges.

@@ -103,10 +103,10 @@ pub(super) fn lay_out(
 
 /// Raises the density where the lattice misses something.
 fn reveal(input: &Input, density: &mut Density, lattice: &Lattice, points: &[OnFace]) {
-    let surface = TriangleMesh {
-        positions: points.iter().map(|point| input.ground.place(point).to_array()).collect(),
-        faces: lattice.fitted.pattern.faces().to_vec(),
-    };
+    let surface = TriangleMesh::new(
+        points.iter().map(|point| input.ground.place(point).to_array()).collect(),
+        lattice.fitted.pattern.faces().to_vec(),
+    );
     let edge = (4.0 / 3f64.sqrt() * density.area() / surface.faces.len() as f64).sqrt();
     density.reveal(input.mesh, &surface, points, FAR * edge);
 }

@@ -18,6 +18,7 @@ mod globe;
 mod held;
 mod lattice;
 mod lay_out;
+mod marks;
 mod mend;
 mod normal_equations;
 mod parameterise;

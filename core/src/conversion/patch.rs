@@ -194,10 +194,10 @@ impl Patch {
         let samples: Vec<u32> = (0..self.samples.len() as u32)
             .filter(|&s| active[self.samples[s as usize].part as usize])
             .collect();
-        let surface = TriangleMesh {
-            positions: at.iter().map(|p| p.to_array()).collect(),
-            faces: self.fitted.pattern.faces().to_vec(),
-        };
+        let surface = TriangleMesh::new(
+            at.iter().map(|p| p.to_array()).collect(),
+            self.fitted.pattern.faces().to_vec(),
+        );
         match tree {
             Some(tree) => tree.refit(&surface),
             None => *tree = BoundingVolumes::build(&surface),

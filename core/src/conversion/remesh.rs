@@ -33,7 +33,8 @@ pub struct RemeshOptions {
     /// base faces that are not given grow until it is met, within bounds; [`Remeshed::tolerance_met`] says whether it is.
     pub tolerance: Option<f64>,
     /// Edges whose faces meet at more than this angle become sharp edges of the base mesh; in degrees, 180 for none. By
-    /// default they do on meshes that look made, from 20° or 40°. Corners of the boundary are kept in any case.
+    /// default they do on meshes that look made, from 20° or 40°. Marked edges are sharp in any case, and corners of the
+    /// boundary are kept.
     pub sharp_angle: Option<f64>,
     /// Vertices no further apart than this, in model units, are merged. Default 0: exact duplicates only.
     pub weld: f64,
@@ -136,7 +137,7 @@ pub fn remesh(
             made => made?,
         };
         let positions: Vec<[f64; 3]> = made.positions.iter().map(|&p| frame.to_model(p)).collect();
-        let result = TriangleMesh { positions, faces: made.faces };
+        let result = TriangleMesh::new(positions, made.faces);
         let samples =
             if options.tolerance.is_some() { CLOSE_SAMPLES } else { CompareOptions::default().samples };
         let rules = CompareOptions { samples, ..CompareOptions::default() };
@@ -159,7 +160,14 @@ pub fn remesh(
         }
     }
     let best = best.expect("a first attempt was made");
-    Ok(Remeshed { cleaned: cleaned.report.sentences(), ..best })
+    let mut sentences = cleaned.report.sentences();
+    if !mesh.sharp_edges.is_empty() && best.hierarchy.base().sharp_edges().is_empty() {
+        let count = mesh.sharp_edges.len();
+        sentences.push(format!(
+            "none of the {count} edges marked as sharp was kept: they are no edges inside the surface, or meet in too many corners for so few base faces"
+        ));
+    }
+    Ok(Remeshed { cleaned: sentences, ..best })
 }
 
 /// Base faces there must be for each corner of sharp edges, when no angle is given.
@@ -193,13 +201,14 @@ impl Prepared {
             return Ok(Self { ground: target.clone(), target, connectivity });
         }
         let mut working = working_mesh(&target, &connectivity);
+        if !target.sharp_edges.is_empty() {
+            working = working.with_creases(Creases::marked(&target, &connectivity));
+        }
         let density = Density::new(&target, &connectivity, THINNED as f64, &Creases::default());
         thin(&mut working, THINNED, &density, &|done| progress(Phase::Simplify, done))?;
-        let (positions, faces) = working.compact();
-        let connectivity =
-            Connectivity::build(positions.len() as u32, faces).expect("collapses keep a manifold");
-        let positions = positions.iter().map(|p| p.to_array()).collect();
-        let ground = TriangleMesh { positions, faces: connectivity.faces().to_vec() };
+        let ground = working.compact();
+        let connectivity = Connectivity::build(ground.positions.len() as u32, ground.faces.clone())
+            .expect("collapses keep a manifold");
         Ok(Self { target, ground, connectivity })
     }
 }
@@ -310,7 +319,7 @@ impl Frame {
 
     fn into_unit(self, mesh: &TriangleMesh) -> TriangleMesh {
         let unit = |&p: &[f64; 3]| ((DVec3::from(p) - self.centre) / self.diagonal).to_array();
-        TriangleMesh { positions: mesh.positions.iter().map(unit).collect(), faces: mesh.faces.clone() }
+        TriangleMesh { positions: mesh.positions.iter().map(unit).collect(), ..mesh.clone() }
     }
 
     fn to_model(self, p: DVec3) -> [f64; 3] {

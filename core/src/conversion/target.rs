@@ -156,7 +156,7 @@ fn curve(segments: Vec<[DVec3; 2]>) -> Option<BoundaryCurve> {
     let positions = segments.iter().flatten().map(|p| p.to_array()).collect();
     // Triangles without area are answered as segments.
     let faces = (0..segments.len() as u32).map(|s| [2 * s, 2 * s + 1, 2 * s + 1]).collect();
-    let tree = BoundingVolumes::build(&TriangleMesh { positions, faces })?;
+    let tree = BoundingVolumes::build(&TriangleMesh::new(positions, faces))?;
     let samples = segments.iter().flat_map(|&[p, q]| [p, p + (q - p) * 0.5]).collect();
     Some(BoundaryCurve { tree, segments, samples })
 }

@@ -108,7 +108,7 @@ mod tests {
                 faces.extend([[v, v + 1, v + size], [v + 1, v + size + 1, v + size]]);
             }
         }
-        let mesh = TriangleMesh { positions: positions.collect(), faces };
+        let mesh = TriangleMesh::new(positions.collect(), faces);
         let connectivity = Connectivity::build(size * size, mesh.faces.clone()).expect("a manifold");
         let ground = Ground { mesh: &mesh, connectivity: &connectivity };
         let start = OnFace { face: 40, weights: [0.2, 0.5, 0.3] };

@@ -4,6 +4,7 @@
 //! that keep it so. Non-guarantees: replace checks nothing; the callers do.
 
 use super::creases::Creases;
+use crate::mesh::TriangleMesh;
 use crate::mesh::connectivity::{Connectivity, NONE};
 use glam::DVec3;
 
@@ -49,17 +50,18 @@ impl WorkingMesh {
         Self { creases, ..self }
     }
 
-    /// The live faces with their vertices numbered anew, in the same order.
-    pub(super) fn compact(&self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    /// The live faces with their vertices numbered anew, in the same order, and the sharp edges.
+    pub(super) fn compact(&self) -> TriangleMesh {
         let mut number = vec![NONE; self.positions.len()];
         self.live_faces().flat_map(|f| self.face(f)).for_each(|v| number[v as usize] = 0);
         let mut positions = Vec::new();
         for (number, position) in number.iter_mut().zip(&self.positions).filter(|(number, _)| **number == 0) {
             *number = positions.len() as u32;
-            positions.push(*position);
+            positions.push(position.to_array());
         }
         let faces = self.live_faces().map(|f| self.face(f).map(|v| number[v as usize])).collect();
-        (positions, faces)
+        let sharp = self.creases.edges().map(|ends| ends.map(|v| number[v as usize])).collect();
+        TriangleMesh::new(positions, faces).with_sharp_edges(sharp)
     }
 
     /// Live faces.

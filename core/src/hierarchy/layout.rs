@@ -335,6 +335,17 @@ impl Layout {
         }
     }
 
+    /// The edges of this level that a base edge consists of, from its low end on.
+    pub fn edges_along(&self, edge: u32) -> impl Iterator<Item = [Slot; 2]> + '_ {
+        (0..self.n).map(move |t| [t, t + 1].map(|t| self.slot(self.along_edge(edge, t))))
+    }
+
+    /// The edges of this level that lie on sharp edges of the base mesh.
+    pub fn sharp_edges(&self) -> impl Iterator<Item = [Slot; 2]> + '_ {
+        let sharp = (0..self.base.edges().len() as u32).filter(|&edge| self.base.is_sharp(edge));
+        sharp.flat_map(|edge| self.edges_along(edge))
+    }
+
     /// The same vertex seen from one level finer.
     #[inline]
     pub fn refine(site: Site) -> Site {

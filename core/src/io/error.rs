@@ -224,13 +224,11 @@ pub enum Defect {
         token: String,
     },
     /// Index 0 where vertices count from 1.
-    #[error(
-        "the face refers to vertex 0 but vertices count from 1; export the model again or correct that index"
-    )]
+    #[error("it refers to vertex 0 but vertices count from 1; export the model again or correct that index")]
     IndexZero,
     /// An index of a vertex that does not exist.
     #[error(
-        "the face refers to vertex {index} but there are only {vertices}, counted from {base}; export the \
+        "it refers to vertex {index} but there are only {vertices}, counted from {base}; export the \
          model again or correct that index"
     )]
     IndexBeyond {
@@ -243,7 +241,7 @@ pub enum Defect {
     },
     /// A relative index that reaches before the first vertex.
     #[error(
-        "the face refers {back} vertices back but only {vertices} precede it; export the model again or \
+        "it refers {back} vertices back but only {vertices} precede it; export the model again or \
          correct that index"
     )]
     IndexBefore {
@@ -253,7 +251,7 @@ pub enum Defect {
         vertices: u64,
     },
     /// An index below 0 where vertices count from 0.
-    #[error("the face refers to vertex {index}, below 0; export the model again or correct that index")]
+    #[error("it refers to vertex {index}, below 0; export the model again or correct that index")]
     NegativeIndex {
         /// The index.
         index: i64,

@@ -14,6 +14,9 @@
 //! Guarantees of the writers: the mesh's own vertex and face order; OBJ, OFF and PLY read back to the
 //! same `f64` positions bit for bit. STL and GLB hold `f32`, as their formats demand, and read back to that.
 //!
+//! Sharp edges are read from OBJ (`l` lines; between faces of different smoothing groups) and from PLY (elements `edge`),
+//! and written to both.
+//!
 //! Non-guarantees: colours, normals, texture coordinates, groups, materials, skins and morph targets are read past
 //! and lost.
 

@@ -10,7 +10,7 @@
 //! vertices in order, which pins every number to the file's own; that polygon is taken off again.
 //!
 //! Read: `v` (a weight or a colour after the coordinates is ignored) and `f` with `v`, `v/vt`, `v//vn` and
-//! `v/vt/vn` corners, absolute or relative. All other keywords are passed over.
+//! `v/vt/vn` corners, absolute or relative; `l` and `s`, which mark sharp edges. All other keywords are passed over.
 
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,11 +20,14 @@ use super::text::{ContinuedLines, Decimal, Lines, coordinates, whole, words};
 use super::watch::{Watch, WatchedBytes};
 use super::{Defect, LARGEST_COUNT, Parsed, Place};
 use crate::mesh::TriangleMesh;
+use marks::Marks;
+
+mod marks;
 
 /// Parses a whole file.
 pub(super) fn parse(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
     let (mut clean, vertices) = clean_vertices(bytes, watch)?;
-    clean_faces(bytes, vertices, &mut clean, watch)?;
+    let marks = clean_faces(bytes, vertices, &mut clean, watch)?;
     let parsed = parse_clean(&clean, watch);
     watch.ask()?;
     let parsed = parsed.ok_or((Place::Whole, Defect::Parser))?;
@@ -32,7 +35,8 @@ pub(super) fn parse(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
     let (positions, corners, arities) =
         without_numbering(parsed, vertices as usize).ok_or((Place::Whole, Defect::Parser))?;
     let faces = triangulate(&positions, &corners, &arities)?;
-    Ok(TriangleMesh { positions, faces })
+    let sharp = marks.sharp_edges(&faces, &arities);
+    Ok(TriangleMesh::new(positions, faces).with_sharp_edges(sharp))
 }
 
 /// The checked `v` lines, one a line, and how many there are.
@@ -61,14 +65,15 @@ fn clean_vertices(bytes: &[u8], watch: &Watch<'_>) -> Parsed<(Vec<u8>, u64)> {
     }
 }
 
-/// Appends the polygon that fixes the numbering and the checked `f` lines with absolute indices.
-fn clean_faces(bytes: &[u8], vertices: u64, clean: &mut Vec<u8>, watch: &Watch<'_>) -> Parsed<()> {
+/// Appends the polygon that fixes the numbering and the checked `f` lines with absolute indices; gives what marks edges.
+fn clean_faces(bytes: &[u8], vertices: u64, clean: &mut Vec<u8>, watch: &Watch<'_>) -> Parsed<Marks> {
     clean.push(b'f');
     (1..=vertices).for_each(|vertex| push_index(clean, vertex));
     clean.push(b'\n');
 
     let mut faces = 0u64;
     let mut preceding = 0u64;
+    let mut marks = Marks::default();
     for (number, line) in ContinuedLines(Lines::new(bytes)) {
         watch.pass()?;
         let mut words = words(&line);
@@ -88,12 +93,16 @@ fn clean_faces(bytes: &[u8], vertices: u64, clean: &mut Vec<u8>, watch: &Watch<'
                 }
                 clean.push(b'\n');
             }
+            Some(b"l") => {
+                marks.line(words, preceding, vertices).map_err(|defect| (Place::Line(number), defect))?;
+            }
+            Some(b"s") => marks.group(words.next(), faces),
             _ => {}
         }
     }
     match faces {
         0 => Err((Place::Whole, Defect::NoFaces)),
-        1..=LARGEST_COUNT => Ok(()),
+        1..=LARGEST_COUNT => Ok(marks),
         _ => Err((Place::Whole, Defect::TooMany { what: "faces" })),
     }
 }
@@ -155,7 +164,7 @@ fn without_numbering(mesh: tobj::Mesh, vertices: usize) -> Option<(Vec<[f64; 3]>
     Some((positions, corners, arities))
 }
 
-/// Writes `v` and `f` lines.
+/// Writes `v` and `f` lines, and an `l` line for each sharp edge.
 pub(super) fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(out, "# Bozzetto: {} vertices, {} faces", mesh.positions.len(), mesh.faces.len())?;
     for &[x, y, z] in &mesh.positions {
@@ -163,6 +172,9 @@ pub(super) fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> std::io::Result
     }
     for &[a, b, c] in &mesh.faces {
         writeln!(out, "f {} {} {}", u64::from(a) + 1, u64::from(b) + 1, u64::from(c) + 1)?;
+    }
+    for &[a, b] in &mesh.sharp_edges {
+        writeln!(out, "l {} {}", u64::from(a) + 1, u64::from(b) + 1)?;
     }
     Ok(())
 }

@@ -53,7 +53,7 @@ pub(super) fn parse(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
     let positions = read_positions(&mut lines, vertices, watch)?;
     let (corners, arities) = read_polygons(&mut lines, faces, vertices, watch)?;
     let faces = triangulate(&positions, &corners, &arities)?;
-    Ok(TriangleMesh { positions, faces })
+    Ok(TriangleMesh::new(positions, faces))
 }
 
 /// The counts of vertices and faces; that of edges, which follows, is not needed.

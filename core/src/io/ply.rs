@@ -2,8 +2,9 @@
 //!
 //! `ply-rs-bw` parses the header and, one at a time, the elements; everything around that is here, because
 //! it has to know how many elements there can be before it believes a header. Read are the scalar
-//! properties `x`, `y`, `z` of `vertex`, of any number type, and the list `vertex_indices` or
-//! `vertex_index` of `face`, of any integer type. Other properties and elements are passed over.
+//! properties `x`, `y`, `z` of `vertex`, of any number type, the list `vertex_indices` or `vertex_index` of
+//! `face`, of any integer type, and `vertex1` and `vertex2` of `edge`, which mark sharp edges. Other properties
+//! and elements are passed over.
 
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -19,7 +20,9 @@ use super::text::{Decimal, Lines, check_coordinate, index_from_zero};
 use super::watch::Watch;
 use super::{Defect, Parsed, Place, with_room};
 use crate::mesh::TriangleMesh;
+use edge::Edge;
 
+mod edge;
 mod header;
 
 /// Parses a whole file.
@@ -36,6 +39,7 @@ fn parse_unguarded(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
     let faces = header.elements.get("face").map_or(0, |face| face.count);
     let mut polygons = Polygons::with_room(faces)?;
     let mut corners: Vec<u32> = Vec::new();
+    let mut sharp = Vec::new();
 
     let mut source = Source { header: &header, payload, lines: Lines::after(payload, lines) };
     for definition in header.elements.values() {
@@ -51,12 +55,16 @@ fn parse_unguarded(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
                     face.check(vertices as u64, &mut corners).map_err(|defect| (place, defect))?;
                     polygons.push(&corners);
                 }
+                edge::NAME => {
+                    let (place, edge): (Place, Edge) = source.element(definition, index)?;
+                    sharp.extend(edge.ends(vertices as u64).map_err(|defect| (place, defect))?);
+                }
                 _ => drop(source.element::<Skipped>(definition, index)?),
             }
         }
     }
     let faces = polygons.into_triangles(&positions)?;
-    Ok(TriangleMesh { positions, faces })
+    Ok(TriangleMesh::new(positions, faces).with_sharp_edges(sharp))
 }
 
 /// The part of the file after the header.
@@ -212,7 +220,8 @@ impl PropertyAccess for Skipped {
 }
 
 /// Writes binary little-endian. Coordinates are `float` where that holds every one of them exactly, else
-/// `double`; vertex indices are `int`, or `uint` where an `int` could not hold them.
+/// `double`; vertex indices are `int`, or `uint` where an `int` could not hold them. Sharp edges, if there are any, are
+/// elements `edge`.
 pub(super) fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> std::io::Result<()> {
     let single = mesh.positions.iter().flatten().all(|&x| f64::from(x as f32) == x);
     let coordinate = if single { "float" } else { "double" };
@@ -221,7 +230,12 @@ pub(super) fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> std::io::Result
     writeln!(out, "element vertex {}", mesh.positions.len())?;
     ["x", "y", "z"].iter().try_for_each(|axis| writeln!(out, "property {coordinate} {axis}"))?;
     writeln!(out, "element face {}", mesh.faces.len())?;
-    writeln!(out, "property list uchar {index} vertex_indices\nend_header")?;
+    writeln!(out, "property list uchar {index} vertex_indices")?;
+    if !mesh.sharp_edges.is_empty() {
+        writeln!(out, "element {} {}", edge::NAME, mesh.sharp_edges.len())?;
+        edge::ENDS.iter().try_for_each(|end| writeln!(out, "property {index} {end}"))?;
+    }
+    writeln!(out, "end_header")?;
     for x in mesh.positions.iter().flatten() {
         if single {
             out.write_all(&(*x as f32).to_le_bytes())?;
@@ -233,6 +247,7 @@ pub(super) fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> std::io::Result
         out.write_all(&[3])?;
         face.iter().try_for_each(|vertex| out.write_all(&vertex.to_le_bytes()))?;
     }
+    mesh.sharp_edges.iter().flatten().try_for_each(|vertex| out.write_all(&vertex.to_le_bytes()))?;
     Ok(())
 }
 

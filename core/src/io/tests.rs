@@ -18,7 +18,7 @@ pub(super) fn awkward() -> TriangleMesh {
         [0.1, 1.0 / 3.0, -1e-300],
         [1e30, -1e30, 5e-324],
     ];
-    TriangleMesh { positions, faces: vec![[5, 1, 0], [0, 1, 2], [2, 2, 4], [4, 2, 1]] }
+    TriangleMesh::new(positions, vec![[5, 1, 0], [0, 1, 2], [2, 2, 4], [4, 2, 1]])
 }
 
 pub(super) fn written(mesh: &TriangleMesh, format: MeshFormat) -> Vec<u8> {
@@ -63,10 +63,10 @@ fn obj_ply_and_off_read_back_bit_for_bit() {
 fn glb_and_stl_read_back_in_single_precision() {
     let mut mesh = awkward();
     mesh.positions[5] = [1e29, -1e29, 5e-324];
-    let rounded = TriangleMesh {
-        positions: mesh.positions.iter().map(|p| p.map(|x| f64::from(x as f32))).collect(),
-        faces: mesh.faces.clone(),
-    };
+    let rounded = TriangleMesh::new(
+        mesh.positions.iter().map(|p| p.map(|x| f64::from(x as f32))).collect(),
+        mesh.faces.clone(),
+    );
     let read = read_mesh_bytes(MeshFormat::Glb, &written(&mesh, MeshFormat::Glb), "model").unwrap();
     assert_eq!(bits(&read), bits(&rounded));
     assert_eq!(read.faces, mesh.faces);

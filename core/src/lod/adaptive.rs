@@ -31,7 +31,7 @@ pub fn adaptive_triangulation(surface: &Surface, tolerance: f64) -> TriangleMesh
         })
         .map(|corners: [u32; 3]| corners.map(|id| numbers[id as usize]))
         .collect();
-    TriangleMesh { positions, faces }
+    TriangleMesh::new(positions, faces)
 }
 
 /// Which odd vertices of every level below J are corners.

@@ -114,7 +114,7 @@ mod tests {
     fn two_squares() -> TriangleMesh {
         // Two right triangles; the second has three times the area of the first.
         let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -3.0, 0.0]];
-        TriangleMesh { positions, faces: vec![[0, 1, 2], [0, 3, 1]] }
+        TriangleMesh::new(positions, vec![[0, 1, 2], [0, 3, 1]])
     }
 
     #[test]
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn a_mesh_without_area_is_sampled_too() {
-        let mesh = TriangleMesh { positions: vec![[2.0; 3]], faces: vec![[0, 0, 0]; 3] };
+        let mesh = TriangleMesh::new(vec![[2.0; 3]], vec![[0, 0, 0]; 3]);
         let points: Vec<DVec3> =
             AreaSampler::new(&mesh, 6, 1).points_and_faces(0..6).map(|(point, _)| point).collect();
         assert!(points.iter().all(|point| point.distance(DVec3::splat(2.0)) < 1e-14));

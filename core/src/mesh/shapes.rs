@@ -4,8 +4,8 @@ use super::TriangleMesh;
 
 /// The regular octahedron with vertices on the axes: 6 vertices, 8 faces, all valences 4.
 pub fn octahedron() -> TriangleMesh {
-    TriangleMesh {
-        positions: vec![
+    TriangleMesh::new(
+        vec![
             [1.0, 0.0, 0.0],
             [-1.0, 0.0, 0.0],
             [0.0, 1.0, 0.0],
@@ -13,24 +13,21 @@ pub fn octahedron() -> TriangleMesh {
             [0.0, 0.0, 1.0],
             [0.0, 0.0, -1.0],
         ],
-        faces: vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]],
-    }
+        vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]],
+    )
 }
 
 /// The regular tetrahedron: 4 vertices, 4 faces, all valences 3.
 pub fn tetrahedron() -> TriangleMesh {
-    TriangleMesh {
-        positions: vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]],
-        faces: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]],
-    }
+    TriangleMesh::new(
+        vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]],
+        vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]],
+    )
 }
 
 /// One triangle: the smallest surface with boundary.
 pub fn triangle() -> TriangleMesh {
-    TriangleMesh {
-        positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-        faces: vec![[0, 1, 2]],
-    }
+    TriangleMesh::new(vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])
 }
 
 /// A disc: a centre and a rim of `rim ≥ 3` vertices.
@@ -41,7 +38,7 @@ pub fn disc(rim: u32) -> TriangleMesh {
         positions.push([angle.cos(), angle.sin(), 0.0]);
     }
     let faces = (0..rim).map(|step| [0, 1 + step, 1 + (step + 1) % rim]).collect();
-    TriangleMesh { positions, faces }
+    TriangleMesh::new(positions, faces)
 }
 
 /// Two cones over one rim of `rim ≥ 3` vertices: a sphere whose poles have valence `rim`.
@@ -75,7 +72,7 @@ pub fn torus(across: u32, around: u32) -> TriangleMesh {
             faces.push([a, d, c]);
         }
     }
-    TriangleMesh { positions, faces }
+    TriangleMesh::new(positions, faces)
 }
 
 /// A flat block of unit cubes in a row with `holes` square tunnels through it: a closed surface of genus `holes`
@@ -86,7 +83,7 @@ pub fn pretzel(holes: u32) -> TriangleMesh {
         (0..i64::from(width)).contains(&x) && (0..height).contains(&y) && !(y == 1 && x % 2 == 1)
     };
     let mut ids = std::collections::BTreeMap::new();
-    let mut mesh = TriangleMesh { positions: Vec::new(), faces: Vec::new() };
+    let mut mesh = TriangleMesh::new(Vec::new(), Vec::new());
     let mut corner = |mesh: &mut TriangleMesh, p: [i64; 3]| {
         *ids.entry(p).or_insert_with(|| {
             mesh.positions.push([p[0] as f64, p[1] as f64, p[2] as f64]);
@@ -127,7 +124,7 @@ pub fn pretzel(holes: u32) -> TriangleMesh {
 
 /// Several meshes as components of one, side by side along x.
 pub fn together(parts: &[TriangleMesh]) -> TriangleMesh {
-    let mut whole = TriangleMesh { positions: Vec::new(), faces: Vec::new() };
+    let mut whole = TriangleMesh::new(Vec::new(), Vec::new());
     for (k, part) in parts.iter().enumerate() {
         let first = whole.positions.len() as u32;
         whole.positions.extend(part.positions.iter().map(|p| [p[0] + 3.0 * k as f64, p[1], p[2]]));
@@ -181,7 +178,7 @@ pub fn double_torus() -> TriangleMesh {
             [(t * 2.4).cos() + 0.2 * t, (t * 2.4).sin(), 0.37 * (t * 1.7).cos()]
         })
         .collect();
-    TriangleMesh { positions, faces }
+    TriangleMesh::new(positions, faces)
 }
 
 /// Base meshes that break careless code: boundary, valences 3 and 12, genus 0 to 4, one triangle, two components, a

@@ -17,6 +17,8 @@ pub struct TriangleMesh {
     pub positions: Vec<[f64; 3]>,
     /// Corners of every triangle, as indices into `positions`, in the file's winding.
     pub faces: Vec<[u32; 3]>,
+    /// The edges that are marked as sharp, each once in ascending order, ends ascending. An edge of no face may be there.
+    pub sharp_edges: Vec<[u32; 2]>,
 }
 
 /// An axis-aligned box, in model units.
@@ -37,6 +39,23 @@ impl Bounds {
 }
 
 impl TriangleMesh {
+    /// A mesh without sharp edges.
+    pub fn new(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Self {
+        Self { positions, faces, sharp_edges: Vec::new() }
+    }
+
+    /// The mesh with these edges marked as sharp, in any order and direction; repeated ones and those of one vertex are
+    /// left out. Cost: sorting them.
+    #[must_use]
+    pub fn with_sharp_edges(mut self, mut edges: Vec<[u32; 2]>) -> Self {
+        edges.iter_mut().for_each(|edge| edge.sort_unstable());
+        edges.retain(|[a, b]| a != b);
+        edges.sort_unstable();
+        edges.dedup();
+        self.sharp_edges = edges;
+        self
+    }
+
     /// Whether the mesh has no face, and so no surface.
     pub fn is_empty(&self) -> bool {
         self.faces.is_empty()
@@ -79,14 +98,14 @@ mod tests {
     #[test]
     fn bounds_leave_out_unreferenced_vertices() {
         let positions = vec![[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0], [99.0, 99.0, 99.0]];
-        let mesh = TriangleMesh { positions, faces: vec![[0, 1, 2]] };
+        let mesh = TriangleMesh::new(positions, vec![[0, 1, 2]]);
         assert_eq!(mesh.bounds(), Some(Bounds { min: [0.0; 3], max: [3.0, 4.0, 0.0] }));
         assert_eq!(mesh.diagonal(), 5.0);
     }
 
     #[test]
     fn a_mesh_without_faces_has_no_bounds() {
-        let mesh = TriangleMesh { positions: vec![[1.0; 3]], faces: Vec::new() };
+        let mesh = TriangleMesh::new(vec![[1.0; 3]], Vec::new());
         assert!(mesh.is_empty());
         assert_eq!((mesh.bounds(), mesh.diagonal()), (None, 0.0));
     }

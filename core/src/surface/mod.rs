@@ -264,7 +264,7 @@ impl Surface {
             .expect("its weights were solved before")
     }
 
-    /// `M^level` as a mesh in model units, vertices in public order. Linear in its size.
+    /// `M^level` as a mesh in model units, vertices in public order, its sharp edges marked. Linear in its size.
     pub fn to_mesh(&self, level: Level) -> TriangleMesh {
         let layout = self.hierarchy.layout(level);
         let public: Vec<u32> =
@@ -274,7 +274,9 @@ impl Surface {
             positions[id as usize] = self.position(level, Slot(slot as u32));
         }
         let faces = self.hierarchy.triangles(level);
-        TriangleMesh { positions, faces: faces.into_iter().map(|f| f.map(|s| public[s as usize])).collect() }
+        let faces = faces.into_iter().map(|f| f.map(|s| public[s as usize])).collect();
+        let sharp = layout.sharp_edges().map(|ends| ends.map(|slot| public[slot.index()])).collect();
+        TriangleMesh::new(positions, faces).with_sharp_edges(sharp)
     }
 }
 

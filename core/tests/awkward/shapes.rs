@@ -82,8 +82,7 @@ fn grid(
     names: impl Fn(u32, u32) -> u32,
     place: impl Fn(f64, f64) -> [f64; 3],
 ) -> TriangleMesh {
-    let mut mesh =
-        TriangleMesh { positions: vec![[0.0; 3]; ((columns + 1) * (rows + 1)) as usize], faces: Vec::new() };
+    let mut mesh = TriangleMesh::new(vec![[0.0; 3]; ((columns + 1) * (rows + 1)) as usize], Vec::new());
     for j in (0..=rows).rev() {
         for i in (0..=columns).rev() {
             let (u, v) = (f64::from(i) / f64::from(columns), f64::from(j) / f64::from(rows));
@@ -104,7 +103,7 @@ fn plain_grid(columns: u32, rows: u32, place: impl Fn(f64, f64) -> [f64; 3]) -> 
 }
 
 fn moved(mesh: &TriangleMesh, place: impl Fn([f64; 3]) -> [f64; 3]) -> TriangleMesh {
-    TriangleMesh { positions: mesh.positions.iter().map(|&p| place(p)).collect(), faces: mesh.faces.clone() }
+    TriangleMesh::new(mesh.positions.iter().map(|&p| place(p)).collect(), mesh.faces.clone())
 }
 
 fn scaled(mesh: &TriangleMesh, factor: f64) -> TriangleMesh {
@@ -124,10 +123,10 @@ fn joined(parts: &[TriangleMesh]) -> TriangleMesh {
 
 /// Every face with vertices of its own.
 pub(crate) fn soup(mesh: &TriangleMesh) -> TriangleMesh {
-    TriangleMesh {
-        positions: mesh.faces.iter().flatten().map(|&v| mesh.positions[v as usize]).collect(),
-        faces: (0..mesh.faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
-    }
+    TriangleMesh::new(
+        mesh.faces.iter().flatten().map(|&v| mesh.positions[v as usize]).collect(),
+        (0..mesh.faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
+    )
 }
 
 /// A cube from `low` on, 12 faces, as part of a bigger mesh.
@@ -149,14 +148,14 @@ fn welded(mesh: &TriangleMesh) -> TriangleMesh {
         })
     });
     let faces = faces.collect();
-    TriangleMesh { positions, faces }
+    TriangleMesh::new(positions, faces)
 }
 
 fn tiny() -> Vec<Case> {
-    let square = TriangleMesh {
-        positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
-        faces: vec![[0, 1, 2], [0, 2, 3]],
-    };
+    let square = TriangleMesh::new(
+        vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
+        vec![[0, 1, 2], [0, 2, 3]],
+    );
     let mut back_to_back = triangle();
     back_to_back.faces.push([0, 2, 1]);
     vec![
@@ -175,7 +174,7 @@ fn seven_vertex_torus() -> TriangleMesh {
         (0..7u32).flat_map(|i| [[i, (i + 1) % 7, (i + 3) % 7], [i, (i + 3) % 7, (i + 2) % 7]]).collect();
     let positions =
         (0..7).map(|v| f64::from(v) * 2.4).map(|t| [t.cos() + 0.1 * t, t.sin(), (1.7 * t).cos()]).collect();
-    TriangleMesh { positions, faces }
+    TriangleMesh::new(positions, faces)
 }
 
 fn soups() -> Vec<Case> {
@@ -311,7 +310,7 @@ fn one_sided() -> Vec<Case> {
         [3, 4, 5],
     ];
     let positions = (0..6).map(|v| f64::from(v) * 1.9).map(|t| [t.cos(), t.sin(), (0.7 * t).sin()]).collect();
-    let plane = TriangleMesh { positions, faces: plane.to_vec() };
+    let plane = TriangleMesh::new(positions, plane.to_vec());
     vec![
         ("Möbius strip", band(20, 4), Surface([1, 0, 1])),
         ("Möbius strip of one row", band(9, 1), Something),
@@ -341,7 +340,7 @@ fn flat_and_thin() -> Vec<Case> {
         let positions =
             (0..=corners).map(|k| f64::from(k) / f64::from(corners)).map(|t| [t, 1e-4 * t * t, 0.0]);
         let positions: Vec<[f64; 3]> = std::iter::once([0.0, -1.0, 0.0]).chain(positions).collect();
-        TriangleMesh { positions, faces: (0..corners).map(|k| [0, k + 1, k + 2]).collect() }
+        TriangleMesh::new(positions, (0..corners).map(|k| [0, k + 1, k + 2]).collect())
     };
     vec![
         ("flat sheet", flat, Surface([1, 0, 1])),
@@ -413,14 +412,14 @@ fn crossing() -> Vec<Case> {
     let mut spiky = ball();
     spiky.positions.iter_mut().for_each(|p| *p = p.map(|x| x * (1.0 + 0.4 * numbers.signed())));
     let mut corner = || std::array::from_fn(|_| numbers.signed());
-    let heap = TriangleMesh {
-        positions: (0..600).map(|_| corner()).collect(),
-        faces: (0..200).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
-    };
-    let tangle = TriangleMesh {
-        positions: (0..40).map(|_| corner()).collect(),
-        faces: (0..300).map(|_| std::array::from_fn(|_| numbers.below(40))).collect(),
-    };
+    let heap = TriangleMesh::new(
+        (0..600).map(|_| corner()).collect(),
+        (0..200).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
+    );
+    let tangle = TriangleMesh::new(
+        (0..40).map(|_| corner()).collect(),
+        (0..300).map(|_| std::array::from_fn(|_| numbers.below(40))).collect(),
+    );
     vec![
         ("two balls through each other", through, Surface([2, 0, 0])),
         ("torus through itself", knotted, Something),
@@ -459,10 +458,9 @@ fn open() -> Vec<Case> {
 }
 
 fn nothing() -> Vec<Case> {
-    let point =
-        TriangleMesh { positions: vec![[1.0, 2.0, 3.0]; 9], faces: vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]] };
-    let repeated = TriangleMesh { positions: vec![[0.0; 3], [1.0; 3]], faces: vec![[0, 0, 1], [1, 1, 0]] };
-    let no_faces = TriangleMesh { positions: octahedron().positions, faces: Vec::new() };
+    let point = TriangleMesh::new(vec![[1.0, 2.0, 3.0]; 9], vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
+    let repeated = TriangleMesh::new(vec![[0.0; 3], [1.0; 3]], vec![[0, 0, 1], [1, 1, 0]]);
+    let no_faces = TriangleMesh::new(octahedron().positions, Vec::new());
     vec![
         ("no vertex", TriangleMesh::default(), Refused("no faces")),
         ("no face", no_faces, Refused("no faces")),

@@ -23,7 +23,7 @@ fn a_soup_is_welded() {
     let whole = shapes::subdivide(&shapes::octahedron(), 2);
     let positions = whole.faces.iter().flatten().map(|&v| whole.positions[v as usize]).collect::<Vec<_>>();
     let faces = (0..whole.faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-    let cleaned = checked(&TriangleMesh { positions, faces });
+    let cleaned = checked(&TriangleMesh::new(positions, faces));
     assert_eq!(cleaned.positions.len(), whole.positions.len());
     assert_eq!((cleaned.connectivity.genus(), cleaned.connectivity.boundary_loops()), (0, 0));
     assert_eq!(cleaned.report.welded, 3 * whole.faces.len() - whole.positions.len());
@@ -96,7 +96,7 @@ fn fins_leave_no_crack_and_walls_no_slit() {
     let at = |x: f64, y: f64, z: f64| [x, y, z];
     let positions =
         vec![at(0.0, 0.0, 0.0), at(0.0, 1.0, 0.0), at(1.0, 0.0, 0.0), at(-1.0, 0.0, 0.0), at(0.0, 0.0, 1.0)];
-    let wall = TriangleMesh { positions, faces: vec![[0, 2, 1], [0, 1, 3], [0, 1, 4]] };
+    let wall = TriangleMesh::new(positions, vec![[0, 2, 1], [0, 1, 3], [0, 1, 4]]);
     let cleaned = checked(&wall);
     assert_eq!((cleaned.connectivity.components(), cleaned.connectivity.faces().len()), (2, 3));
 }
@@ -110,7 +110,7 @@ fn a_one_sided_band_is_cut_open() {
         })
         .collect();
     let faces = (0..5u32).map(|i| [i, (i + 1) % 5, (i + 2) % 5]).collect();
-    let cleaned = checked(&TriangleMesh { positions, faces });
+    let cleaned = checked(&TriangleMesh::new(positions, faces));
     assert!(cleaned.report.one_sided > 0);
     assert!(cleaned.connectivity.boundary_loops() >= 1);
 }
@@ -126,6 +126,6 @@ fn rubbish_is_left_out() {
     let report = &cleaned.report;
     assert_eq!((report.degenerate, report.doubled, report.islands, report.unreferenced), (1, 1, 1, 1));
     assert_eq!(cleaned.connectivity.faces().len(), 8);
-    let nothing = TriangleMesh { positions: vec![[0.0; 3]; 3], faces: vec![[0, 0, 1], [0, 1, 2]] };
+    let nothing = TriangleMesh::new(vec![[0.0; 3]; 3], vec![[0, 0, 1], [0, 1, 2]]);
     assert!(clean(&nothing, 0.0).is_none());
 }

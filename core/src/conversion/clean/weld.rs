@@ -7,10 +7,14 @@ pub(in crate::conversion) fn equal(positions: &[[f64; 3]], used: &[bool]) -> Vec
     let mut merged: Vec<u32> = (0..positions.len() as u32).collect();
     let mut first: FxHashMap<[u64; 3], u32> = FxHashMap::default();
     for (v, p) in positions.iter().enumerate().filter(|(v, _)| used[*v]) {
-        // Adding 0 makes −0 and 0 the same.
-        merged[v] = *first.entry(p.map(|x| (x + 0.0).to_bits())).or_insert(v as u32);
+        merged[v] = *first.entry(place(*p)).or_insert(v as u32);
     }
     merged
+}
+
+/// The key of a place: adding 0 makes −0 and 0 the same.
+pub(super) fn place(p: [f64; 3]) -> [u64; 3] {
+    p.map(|x| (x + 0.0).to_bits())
 }
 
 /// For every vertex that is used the first used one within `distance` that is not merged itself, else the vertex itself.

@@ -76,7 +76,7 @@ fn topology_is_kept_and_the_surfaces_are_close() {
         let expected = figures(input.positions.len(), &input.faces);
         assert_eq!(figures(result.positions.len(), &faces), expected, "{name}");
         assert!(result.measured.rms < 5e-3, "{name}: rms {}", result.measured.rms);
-        let out = TriangleMesh { positions: result.positions, faces };
+        let out = TriangleMesh::new(result.positions, faces);
         assert!(turned(&input, &out) * 500 <= out.faces.len(), "{name}: {} turned", turned(&input, &out));
     }
 }
@@ -115,6 +115,33 @@ fn every_phase_can_be_cancelled() {
 
 #[test]
 fn nothing_to_convert_is_said() {
-    let flat = TriangleMesh { positions: vec![[1.0; 3]; 3], faces: vec![[0, 1, 2]] };
+    let flat = TriangleMesh::new(vec![[1.0; 3]; 3], vec![[0, 1, 2]]);
     assert!(matches!(remesh(&flat, &RemeshOptions::default(), &|_, _| true), Err(RemeshError::Empty)));
+}
+
+/// So many faces are thinned first, and the marked edges with them: fewer, and still one ring.
+#[test]
+fn marks_outlive_thinning() {
+    let mut mesh = shapes::subdivide(&shapes::octahedron(), 8);
+    for p in &mut mesh.positions {
+        *p = DVec3::from(*p).normalize().to_array();
+    }
+    let in_plane = |ends: &[u32; 2]| ends.iter().all(|&v| mesh.positions[v as usize][2] == 0.0);
+    let ring: Vec<[u32; 2]> =
+        mesh.faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).filter(in_plane).collect();
+    let mesh = mesh.with_sharp_edges(ring);
+    let connectivity = Connectivity::build(mesh.positions.len() as u32, mesh.faces.clone()).unwrap();
+    let Prepared { target, ground, .. } = Prepared::new(mesh, connectivity, &|_, _| true).unwrap();
+    assert!(ground.faces.len() < target.faces.len());
+    assert!(
+        (64..target.sharp_edges.len()).contains(&ground.sharp_edges.len()),
+        "{}",
+        ground.sharp_edges.len()
+    );
+    let of_ring = ground.sharp_edges.iter().flatten();
+    let off = of_ring.clone().map(|&v| ground.positions[v as usize][2].abs()).fold(0.0, f64::max);
+    assert!(off < 1e-5, "{off}");
+    let mut ends: Vec<&u32> = of_ring.collect();
+    ends.sort_unstable();
+    assert!(ends.chunks(2).all(|pair| pair[0] == pair[1]) && ends.len() == 2 * ground.sharp_edges.len());
 }

@@ -21,7 +21,7 @@ fn cap(times: u32) -> TriangleMesh {
     let number = |v: u32| used.binary_search(&v).expect("used") as u32;
     let faces = faces.iter().map(|f| f.map(number)).collect();
     let positions = used.iter().map(|&v| half.positions[v as usize]).collect();
-    let mut mesh = subdivide(&TriangleMesh { positions, faces }, times);
+    let mut mesh = subdivide(&TriangleMesh::new(positions, faces), times);
     mesh.positions.iter_mut().for_each(|p| *p = DVec3::from(*p).normalize().to_array());
     mesh
 }

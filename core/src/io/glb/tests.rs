@@ -41,7 +41,7 @@ fn floats(json: &Value, binary: &[u8], index: usize) -> Vec<[f32; 3]> {
 fn corner() -> TriangleMesh {
     let positions =
         vec![[0.1, 0.1, 0.1], [2.0, 0.1, 0.1], [0.1, 3.0, 0.1], [0.1, 0.1, -4.0], [9.0; 3], [5.0; 3]];
-    TriangleMesh { positions, faces: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [5, 5, 0]] }
+    TriangleMesh::new(positions, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [5, 5, 0]])
 }
 
 #[test]

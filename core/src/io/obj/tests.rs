@@ -78,19 +78,19 @@ fn polygons_become_triangles_in_their_place() {
 fn errors_name_the_line_and_the_mend() {
     assert_eq!(
         refused(&format!("{SQUARE}\nf 1 2 9000\n")),
-        "model, line 6: the face refers to vertex 9000 but there are only 4, counted from 1; export the model again or \
+        "model, line 6: it refers to vertex 9000 but there are only 4, counted from 1; export the model again or \
          correct that index"
     );
     let cases = [
-        (format!("{SQUARE}f 1 0 2\n"), "line 5: the face refers to vertex 0"),
-        (format!("{SQUARE}f 1 2 -5\n"), "line 5: the face refers 5 vertices back but only 4 precede it"),
-        (format!("f 1 2 -1\n{SQUARE}"), "line 1: the face refers 1 vertices back but only 0 precede it"),
+        (format!("{SQUARE}f 1 0 2\n"), "line 5: it refers to vertex 0"),
+        (format!("{SQUARE}f 1 2 -5\n"), "line 5: it refers 5 vertices back but only 4 precede it"),
+        (format!("f 1 2 -1\n{SQUARE}"), "line 1: it refers 1 vertices back but only 0 precede it"),
         (format!("{SQUARE}f 1 2\n"), "line 5: a face needs at least three corners but has 2"),
         (format!("{SQUARE}f\n"), "line 5: a face needs at least three corners but has 0"),
         (format!("{SQUARE}f 1 2 x\n"), "line 5: the vertex index 'x' is not a whole number"),
         (format!("{SQUARE}f 1 2 /3\n"), "line 5: the vertex index '/3' is not a whole number"),
         (format!("{SQUARE}f 1 2 99999999999999999999\n"), "is not a whole number"),
-        (format!("{SQUARE}f 1 2 -9223372036854775808\n"), "line 5: the face refers 9223372036854775808"),
+        (format!("{SQUARE}f 1 2 -9223372036854775808\n"), "line 5: it refers 9223372036854775808"),
         ("v 0 0\nf 1 1 1\n".to_owned(), "line 1: a vertex needs three coordinates but has 2"),
         ("v 0 \\\n 0\nv 0 0 nan\nf 1 1 1\n".to_owned(), "line 1: a vertex needs three"),
         ("v 0 0 0\nv 0 nan 0\nf 1 1 1\n".to_owned(), "line 2: the coordinate 'nan' is not finite"),
@@ -112,4 +112,21 @@ fn errors_name_the_line_and_the_mend() {
 fn a_long_word_is_cut_short_in_the_message() {
     let message = refused(&format!("v 0 0 {}\u{7}\nf 1 1 1\n", "q".repeat(10_000)));
     assert!(message.contains("qqq…'"), "{message}");
+}
+
+#[test]
+fn lines_mark_the_edges_they_run_along() {
+    let mesh = read(&format!("{SQUARE}l 3/7 2 1\nf 1 2 3 4\nl -1 -2\nl 2 1\nl 2\n"));
+    assert_eq!(mesh.sharp_edges, [[0, 1], [1, 2], [2, 3]]);
+    assert!(refused(&format!("{SQUARE}f 1 2 3\nl 1 5\n")).contains("line 6"));
+}
+
+#[test]
+fn edges_between_two_smoothing_groups_are_sharp() {
+    let faces = "f 1 2 3\ns 2\nf 1 3 4\ns 1\nf 4 3 5 6\n";
+    let more = "v 1 2 0\nv 0 2 0\n";
+    assert_eq!(read(&format!("{SQUARE}{more}s 1\n{faces}")).sharp_edges, [[0, 2], [2, 3]]);
+    // The first face is in no group, and says nothing.
+    assert_eq!(read(&format!("{SQUARE}{more}s off\n{faces}")).sharp_edges, [[2, 3]]);
+    assert_eq!(read(&format!("{SQUARE}{more}s 3\nf 1 2 3\ns off\nf 1 3 4\n")).sharp_edges, [[0u32; 2]; 0]);
 }

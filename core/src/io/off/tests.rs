@@ -69,11 +69,11 @@ fn errors_name_the_line_and_the_mend() {
         ),
         (
             format!("OFF\n3 1 0\n{}", BODY.replace("3 0 1 2", "3 0 1 3")),
-            "line 6: the face refers to vertex 3 but there are only 3, counted from 0",
+            "line 6: it refers to vertex 3 but there are only 3, counted from 0",
         ),
         (
             format!("OFF\n3 1 0\n{}", BODY.replace("3 0 1 2", "3 0 1 -1")),
-            "line 6: the face refers to vertex -1, below 0",
+            "line 6: it refers to vertex -1, below 0",
         ),
         (
             format!("OFF\n3 1 0\n{}", BODY.replace("3 0 1 2", "3 0 1.5 2")),

@@ -110,11 +110,8 @@ fn errors_name_the_place_and_the_mend() {
         (file("1 0 0\n", "1 0 abc\n"), "line 11: the element does not hold what"),
         (file("1 0 0\n", "1 nan 0\n"), "line 11: the coordinate 'inf' is not finite"),
         (file("1 0 0\n", "1 0 2e30\n"), "line 11: the coordinate 2"),
-        (
-            file("3 0 1 2", "3 0 1 3"),
-            "line 13: the face refers to vertex 3 but there are only 3, counted from 0",
-        ),
-        (file("3 0 1 2", "3 0 1 -2"), "line 13: the face refers to vertex -2, below 0"),
+        (file("3 0 1 2", "3 0 1 3"), "line 13: it refers to vertex 3 but there are only 3, counted from 0"),
+        (file("3 0 1 2", "3 0 1 -2"), "line 13: it refers to vertex -2, below 0"),
         (file("3 0 1 2", "2 0 1"), "line 13: a face needs at least three corners but has 2"),
         (file("3 0 1 2", "9 0 1 2"), "line 13: the element does not hold what"),
         (file("3 0 1 2\n", "\n\n\n"), "the file ends after 0 of 1 elements 'face'"),
@@ -134,7 +131,7 @@ fn binary_errors_name_the_element() {
     let bytes = binary("binary_little_endian", list, &[3], |v| vec![v, 0, 0, 0], infinite);
     assert!(refused(&bytes).contains("vertex 1 (counting from 0): the coordinate 'inf' is not finite"));
     let bytes = binary("binary_little_endian", list, &[3], |v| vec![v, v, 0, 0], little);
-    assert!(refused(&bytes).contains("face 0 (counting from 0): the face refers to vertex 257"));
+    assert!(refused(&bytes).contains("face 0 (counting from 0): it refers to vertex 257"));
     let bytes = binary("binary_little_endian", list, &[3], |v| vec![v, 0, 0, 0xff], little);
     assert!(refused(&bytes).contains("below 0"));
     let bytes = binary("binary_little_endian", list, &[255], |v| vec![v, 0, 0, 0], little);
@@ -142,4 +139,20 @@ fn binary_errors_name_the_element() {
     let bytes =
         binary("binary_little_endian", "property list int int", &[255; 4], |v| vec![v, 0, 0, 0], little);
     assert!(refused(&bytes).contains("face 0 (counting from 0): the element does not hold"));
+}
+
+#[test]
+fn elements_edge_mark_sharp_edges() {
+    let with = |properties: &str, lines: &str| {
+        let element =
+            format!("element edge 2\nproperty int vertex1\nproperty int vertex2\n{properties}end_header");
+        format!("{}{BODY}{lines}", HEAD.replace("end_header", &element)).into_bytes()
+    };
+    assert_eq!(read(&with("", "2 1\n0 2\n")).sharp_edges, [[0, 2], [1, 2]]);
+    assert_eq!(read(&with("property uchar red\n", "2 1 0\n0 2 0\n")).sharp_edges, [[0, 2], [1, 2]]);
+    for smooth in ["property uchar sharp\n", "property float crease\n"] {
+        assert_eq!(read(&with(smooth, "2 1 0\n0 2 1\n")).sharp_edges, [[0, 2]]);
+    }
+    let beyond = refusal(MeshFormat::Ply, &with("", "2 1\n0 3\n"));
+    assert!(beyond.contains("line 18"), "{beyond}");
 }

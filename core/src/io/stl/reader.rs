@@ -65,7 +65,7 @@ fn parse_binary(bytes: &[u8], declared: u32) -> Parsed<TriangleMesh> {
         }
         faces.push(corners);
     }
-    Ok(TriangleMesh { positions: places.positions, faces })
+    Ok(TriangleMesh::new(places.positions, faces))
 }
 
 /// Only `vertex`, `endloop` and the ends of solids count; all other words are passed over. A loop of more than three
@@ -101,7 +101,7 @@ fn parse_text(bytes: &[u8]) -> Parsed<TriangleMesh> {
         return Err((Place::Whole, Defect::NoFaces));
     }
     let faces = triangulate(&places.positions, &corners, &arities)?;
-    Ok(TriangleMesh { positions: places.positions, faces })
+    Ok(TriangleMesh::new(places.positions, faces))
 }
 
 /// The distinct positions so far, and the number of each. The map's own hash function cannot be driven into

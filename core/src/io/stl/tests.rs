@@ -6,7 +6,7 @@ use crate::mesh::shapes;
 #[test]
 fn faces_carry_their_corners_and_normals() {
     let positions = vec![[0.0, 0.0, 1.5], [2.0, 0.0, 1.5], [0.0, 3.0, 1.5]];
-    let mesh = TriangleMesh { positions, faces: vec![[0, 1, 2], [0, 0, 1]] };
+    let mesh = TriangleMesh::new(positions, vec![[0, 1, 2], [0, 0, 1]]);
     let mut bytes = Vec::new();
     write(&mesh, &mut bytes).unwrap();
     assert_eq!(bytes.len(), 84 + 2 * 50);
@@ -43,10 +43,8 @@ fn corners_at_the_same_place_become_one_vertex() {
 #[test]
 fn text_is_read_however_it_is_laid_out() {
     let plain = format!("solid name of vertex 1\n{FACET}endsolid name\n");
-    let expected = TriangleMesh {
-        positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-        faces: vec![[0, 1, 2]],
-    };
+    let expected =
+        TriangleMesh::new(vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
     assert_eq!(read(plain.as_bytes()), expected);
     assert_eq!(read(plain.replace('\n', "\r\n").as_bytes()), expected);
     let one_line = format!("solid\n{}\nendsolid", FACET.replace('\n', " "));

@@ -168,7 +168,7 @@ proptest! {
         corners in prop::collection::vec(prop::array::uniform3(any::<prop::sample::Index>()), 1..20),
     ) {
         let faces = corners.iter().map(|face| face.map(|corner| corner.index(positions.len()) as u32)).collect();
-        let mesh = TriangleMesh { positions, faces };
+        let mesh = TriangleMesh::new(positions, faces);
         for format in EXACT {
             let read = read_mesh_bytes(format, &written(&mesh, format), "model").unwrap();
             prop_assert_eq!(bits(&read), bits(&mesh));

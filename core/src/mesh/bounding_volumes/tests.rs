@@ -62,10 +62,7 @@ fn the_tree_agrees_with_trying_all_triangles() {
 fn faces_that_are_not_allowed_are_as_if_left_out() {
     let mesh = soup(300, 11);
     let allowed = |face: FaceIndex| face.0.is_multiple_of(3);
-    let rest = TriangleMesh {
-        positions: mesh.positions.clone(),
-        faces: mesh.faces.iter().step_by(3).copied().collect(),
-    };
+    let rest = TriangleMesh::new(mesh.positions.clone(), mesh.faces.iter().step_by(3).copied().collect());
     let tree = BoundingVolumes::build(&mesh).unwrap();
     let mut cursor = tree.cursor();
     let mut random = SplitMix64::at(12, 0);
@@ -120,7 +117,7 @@ fn a_tree_follows_its_vertices() {
 fn triangles_in_one_place_are_still_split() {
     // All centres coincide, so only halving can tell them apart.
     let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let mesh = TriangleMesh { positions, faces: vec![[0, 1, 2]; 5000] };
+    let mesh = TriangleMesh::new(positions, vec![[0, 1, 2]; 5000]);
     let tree = BoundingVolumes::build(&mesh).unwrap();
     assert_eq!(tree.closest([0.25, 0.25, 3.0]).squared_distance, 9.0);
     assert!(tree.nodes.len() < 5000, "{} nodes", tree.nodes.len());
@@ -148,7 +145,7 @@ proptest! {
         let positions: Vec<[f64; 3]> = corners.iter().map(|corner| corner.map(f64::from)).collect();
         let last = positions.len() as u32 - 2;
         let faces = (0..last).map(|vertex| [vertex, vertex + 1, vertex + 2]).collect();
-        let mesh = TriangleMesh { positions, faces };
+        let mesh = TriangleMesh::new(positions, faces);
         let query = query.map(f64::from);
         let found = BoundingVolumes::build(&mesh).unwrap().closest(query);
         prop_assert!((found.squared_distance - by_trying_all(&mesh, query)).abs() < 1e-12);

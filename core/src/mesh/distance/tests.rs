@@ -10,7 +10,7 @@ fn grid(n: u32, z: f64) -> TriangleMesh {
             [[corner, corner + 1, corner + n + 2], [corner, corner + n + 2, corner + n + 1]]
         })
     });
-    TriangleMesh { positions, faces: faces.collect() }
+    TriangleMesh::new(positions, faces.collect())
 }
 
 /// The grid with every vertex moved up by a little, differently.
@@ -124,7 +124,7 @@ fn what_cannot_be_measured_is_refused() {
     let options = CompareOptions::default();
     assert_eq!(compare(&none, &grid, &options, &|_| true), Err(CompareError::FirstEmpty));
     assert_eq!(compare(&grid, &none, &options, &|_| true), Err(CompareError::SecondEmpty));
-    let point = TriangleMesh { positions: vec![[1.0; 3]], faces: vec![[0, 0, 0]] };
+    let point = TriangleMesh::new(vec![[1.0; 3]], vec![[0, 0, 0]]);
     assert_eq!(compare(&point, &grid, &options, &|_| true), Err(CompareError::NoExtent));
 }
 

@@ -183,7 +183,7 @@ fn what_cannot_be_read_is_named() {
         (with("/accessors/2/count", json!(2)), "a primitive has 2 corners, no multiple of three"),
         (
             with("/accessors/2/byteOffset", json!(5)),
-            "accessor 2, index 0 (counting from 0): the face refers to vertex 7",
+            "accessor 2, index 0 (counting from 0): it refers to vertex 7",
         ),
         (with("/accessors/2/componentType", json!(5122)), "indices must be unsigned"),
         (with("/accessors/0/componentType", json!(5130)), "component type is none of glTF's"),
