@@ -70,6 +70,14 @@ impl Held {
         held
     }
 
+    /// One vertex of so many that keeps its place.
+    #[cfg(test)]
+    pub(super) fn fixing(v: usize, count: usize) -> Self {
+        let mut holds = vec![Hold::Free; count];
+        holds[v] = Hold::Fixed;
+        Self { holds, chains: Vec::new() }
+    }
+
     fn hold(&self, v: usize) -> Hold {
         self.holds.get(v).copied().unwrap_or(Hold::Free)
     }

@@ -20,11 +20,14 @@ use glam::DVec3;
 const ROUNDS: usize = 12;
 /// Faces looked at are so many at most: hundreds of folds may be the input's own.
 const MOST_FACES: usize = 1_500;
-/// The surroundings of so many faces that stay turned are shaken at most: these rings of vertices are smoothed so many
-/// times, and descend so many times from there.
+/// The surroundings of so many faces that stay turned are shaken at most; they descend so many times from there.
 const MOST_SHAKEN: usize = 16;
-const RINGS: usize = 2;
-const SMOOTHINGS: [usize; 2] = [2, 10];
+const SHAKES: [Shake; 4] = [
+    Shake { rings: 2, drag: false, smoothings: 2 },
+    Shake { rings: 2, drag: false, smoothings: 10 },
+    Shake { rings: 4, drag: true, smoothings: 1 },
+    Shake { rings: 4, drag: true, smoothings: 6 },
+];
 const DESCENTS: usize = 4;
 /// A face counts as well turned from this cosine to the input's normal on.
 const UPRIGHT: f64 = 0.3;
@@ -59,6 +62,15 @@ const WAYS: [DVec3; 14] = {
         way(-1.0, -1.0, -1.0),
     ]
 };
+
+/// What is done to the vertices so many edges from a face.
+struct Shake {
+    rings: usize,
+    /// Whether they first follow the corner that is furthest from its neighbours, the nearer the more: one that keeps its
+    /// place may lie outside all of them, and smoothing alone does not bring them round it.
+    drag: bool,
+    smoothings: usize,
+}
 
 /// What turned faces are undone on.
 pub(super) struct Unfolding<'a> {
@@ -128,7 +140,8 @@ impl Unfolding<'_> {
         Ok(())
     }
 
-    /// Smooths the surroundings of a face and descends from there, and leaves them as they were if that is no better.
+    /// Smooths the surroundings of a face and descends from there, wider and wider until the face is turned back; leaves
+    /// them as they were where that is no better.
     fn shake(
         &self,
         face: u32,
@@ -136,30 +149,19 @@ impl Unfolding<'_> {
         near: &mut Near,
         go_on: &dyn Fn() -> bool,
     ) -> Result<(), Cancelled> {
-        let pattern = &self.fitted.pattern;
-        let mut around = pattern.faces()[face as usize].to_vec();
-        for _ in 0..RINGS {
-            around = around.iter().flat_map(|&v| pattern.neighbours(v as usize)).copied().collect();
-            around.sort_unstable();
-            around.dedup();
-        }
-        let mut faces: Vec<u32> =
-            around.iter().flat_map(|&v| pattern.corners(v as usize)).map(|corner| corner / 3).collect();
-        faces.sort_unstable();
-        faces.dedup();
-        let before: Vec<DVec3> = around.iter().map(|&v| positions[v as usize]).collect();
-        let allowed = self.greatest(&faces, positions, near).max(self.reach());
-        let mut least = self.badness(&faces, positions, near);
-        let mut best = before.clone();
-        for times in SMOOTHINGS {
-            around.iter().zip(&before).for_each(|(&v, &at)| positions[v as usize] = at);
-            for _ in 0..times {
-                for &v in &around {
-                    let v = v as usize;
-                    let near = pattern.neighbours(v);
-                    let mean = near.iter().map(|&w| positions[w as usize]).sum::<DVec3>() / near.len() as f64;
-                    positions[v] = self.allowed(v, positions[v], positions[v].midpoint(mean));
-                }
+        // No further than the fit is somewhere: so the greatest distance stays.
+        let reach = self.reach().max(self.pulls.max.min(REACHES[1]));
+        for Shake { rings, drag, smoothings } in SHAKES {
+            let around = self.around_face(face, rings);
+            let before: Vec<DVec3> = around.iter().map(|&v| positions[v as usize]).collect();
+            let faces = self.faces_of(&around);
+            let allowed = self.greatest(&faces, positions, near).max(reach);
+            let least = self.badness(&faces, positions, near);
+            if drag {
+                self.drag(face, rings, positions, near);
+            }
+            for _ in 0..smoothings {
+                self.smooth(&around, positions, near);
             }
             for _ in 0..DESCENTS {
                 if !go_on() {
@@ -171,13 +173,78 @@ impl Unfolding<'_> {
                 }
             }
             let badness = self.badness(&faces, positions, near);
-            if badness < least && self.greatest(&faces, positions, near) <= allowed {
-                least = badness;
-                best = around.iter().map(|&v| positions[v as usize]).collect();
+            if badness >= least || self.greatest(&faces, positions, near) > allowed {
+                around.iter().zip(&before).for_each(|(&v, &at)| positions[v as usize] = at);
+            } else if !self.is_turned(face, positions, near) {
+                break;
             }
         }
-        around.iter().zip(&best).for_each(|(&v, &at)| positions[v as usize] = at);
         Ok(())
+    }
+
+    /// The vertices at most so many edges from a face, ascending.
+    fn around_face(&self, face: u32, rings: usize) -> Vec<u32> {
+        let pattern = &self.fitted.pattern;
+        let mut around = pattern.faces()[face as usize].to_vec();
+        for _ in 0..rings {
+            around = around.iter().flat_map(|&v| pattern.neighbours(v as usize)).copied().collect();
+            around.sort_unstable();
+            around.dedup();
+        }
+        around
+    }
+
+    fn faces_of(&self, vertices: &[u32]) -> Vec<u32> {
+        let corners = vertices.iter().flat_map(|&v| self.fitted.pattern.corners(v as usize));
+        let mut faces: Vec<u32> = corners.map(|corner| corner / 3).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        faces
+    }
+
+    /// Lets the vertices round one corner of a face follow it, those next to it until it lies in the middle of them.
+    fn drag(&self, face: u32, rings: usize, positions: &mut [DVec3], near: &mut Near) {
+        let off = |v: u32| positions[v as usize] - self.middle(v as usize, positions);
+        let corners = self.fitted.pattern.faces()[face as usize].map(|v| (off(v), v));
+        let furthest = corners.into_iter().max_by(|a, b| a.0.length().total_cmp(&b.0.length()));
+        let (way, corner) = furthest.expect("three corners");
+        let mut seen = vec![corner];
+        let mut from = 0;
+        for ring in 1..=rings {
+            let to = seen.len();
+            for at in from..to {
+                for &v in self.fitted.pattern.neighbours(seen[at] as usize) {
+                    if !seen.contains(&v) {
+                        seen.push(v);
+                    }
+                }
+            }
+            let share = 1.0 - (ring - 1) as f64 / rings as f64;
+            for &v in &seen[to..] {
+                self.settle(v as usize, positions[v as usize] + way * share, positions, near);
+            }
+            from = to;
+        }
+    }
+
+    /// Every vertex halfway to the middle of its neighbours.
+    fn smooth(&self, around: &[u32], positions: &mut [DVec3], near: &mut Near) {
+        for &v in around {
+            let v = v as usize;
+            let there = positions[v].midpoint(self.middle(v, positions));
+            self.settle(v, there, positions, near);
+        }
+    }
+
+    fn middle(&self, v: usize, positions: &[DVec3]) -> DVec3 {
+        let near = self.fitted.pattern.neighbours(v);
+        near.iter().map(|&w| positions[w as usize]).sum::<DVec3>() / near.len() as f64
+    }
+
+    /// Puts a vertex on the input next to a place, as far as it may go there.
+    fn settle(&self, v: usize, place: DVec3, positions: &mut [DVec3], near: &mut Near) {
+        let place = near.cursor.closest(place.to_array()).point.into();
+        positions[v] = self.allowed(v, positions[v], place);
     }
 
     fn reach(&self) -> f64 {
@@ -227,7 +294,7 @@ impl Unfolding<'_> {
     fn around(&self, v: usize, positions: &[DVec3]) -> Vec<DVec3> {
         let at = positions[v];
         let near = self.fitted.pattern.neighbours(v);
-        let mean = near.iter().map(|&w| positions[w as usize]).sum::<DVec3>() / near.len() as f64;
+        let mean = self.middle(v, positions);
         let length =
             near.iter().map(|&w| positions[w as usize].distance(at)).sum::<f64>() / near.len() as f64;
         let mut places: Vec<DVec3> = [0.25, 0.5, 1.0].iter().map(|t| at.lerp(mean, *t)).collect();

@@ -1,4 +1,5 @@
 use super::*;
+use crate::conversion::held::Held;
 use crate::conversion::pulls::Look;
 use crate::conversion::watch::Watch;
 use crate::mesh::TriangleMesh;
@@ -26,14 +27,16 @@ fn cap(times: u32) -> TriangleMesh {
     mesh
 }
 
-/// Unfolds a coarse mesh some of whose vertices were moved; returns their true places, where they are then, and the turned
+/// Unfolds a coarse mesh some of whose vertices were moved and one may be fixed there; returns their true places, where they are then, and the turned
 /// faces before and after.
 fn unfolded(
     [input, coarse]: [TriangleMesh; 2],
     moved: impl Fn(DVec3) -> DVec3,
+    fixed: Option<usize>,
 ) -> (Vec<DVec3>, Vec<DVec3>, [usize; 2]) {
     let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
-    let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
+    let mut fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
+    fitted.held = fixed.map_or_else(Held::default, |v| Held::fixing(v, coarse.positions.len()));
     let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
     let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
         panic!("nobody asked to stop")
@@ -56,7 +59,7 @@ fn unfolded(
 fn a_turned_face_is_turned_back_and_the_rest_stays() {
     let pole = DVec3::Z;
     let fold = |p: DVec3| if p.distance(pole) < 1e-9 { DVec3::new(0.2, 0.03, 0.979) } else { p };
-    let (places, result, [before, after]) = unfolded([ball(5), ball(4)], fold);
+    let (places, result, [before, after]) = unfolded([ball(5), ball(4)], fold, None);
     assert!(before > 0 && after == 0, "{before} {after}");
     for (place, at) in places.iter().zip(&result) {
         assert!((at.length() - 1.0).abs() < 0.01, "{at}");
@@ -71,10 +74,23 @@ fn a_knot_of_faces_is_shaken_loose() {
         let near = p.distance(DVec3::Z);
         if near < 0.3 { DVec3::new(-p.x, p.y, p.z) } else { p }
     };
-    let (places, result, [before, after]) = unfolded([ball(5), ball(4)], swap);
+    let (places, result, [before, after]) = unfolded([ball(5), ball(4)], swap, None);
     assert!(before > 4 && after == 0, "{before} {after}");
     let off = result.iter().map(|at| (at.length() - 1.0).abs()).fold(0.0, f64::max);
     assert!(off < 0.02, "{off}");
+    let far = |place: &DVec3| place.distance(DVec3::Z) > 1.0;
+    assert!(places.iter().zip(&result).all(|(place, at)| !far(place) || place == at));
+}
+
+/// A corner that stays lies outside all its neighbours: they come round it.
+#[test]
+fn neighbours_follow_a_corner_that_keeps_its_place() {
+    let pole = ball(4).positions.iter().position(|p| p[2] > 1.0 - 1e-9).expect("a pole");
+    let there = DVec3::new(0.25, 0.03, 0.968).normalize();
+    let fold = |p: DVec3| if p.z > 1.0 - 1e-9 { there } else { p };
+    let (places, result, [before, after]) = unfolded([ball(5), ball(4)], fold, Some(pole));
+    assert!(before > 0 && after == 0, "{before} {after}");
+    assert_eq!(result[pole], there);
     let far = |place: &DVec3| place.distance(DVec3::Z) > 1.0;
     assert!(places.iter().zip(&result).all(|(place, at)| !far(place) || place == at));
 }
@@ -86,7 +102,7 @@ fn vertices_of_a_boundary_stay_on_it() {
     let rim = x.min_by(|p, q| p.distance(DVec3::X).total_cmp(&q.distance(DVec3::X))).expect("a rim");
     let turn = DVec3::new(libm::cos(0.08), libm::sin(0.08), 0.0);
     let fold = |p: DVec3| if p.distance(rim) < 1e-9 { turn } else { p };
-    let (_, result, [before, after]) = unfolded([cap(6), coarse], fold);
+    let (_, result, [before, after]) = unfolded([cap(6), coarse], fold, None);
     assert!(before > 0 && after == 0, "{before} {after}");
     let of_rim = result.iter().filter(|at| at.z.abs() < 1e-9).count();
     assert_eq!(of_rim, 128, "all vertices of the rim are still in its plane");
