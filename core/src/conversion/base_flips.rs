@@ -135,3 +135,6 @@ fn shape(lattice: &Lattice, places: &Places, face: usize) -> Shape {
     }
     Shape { squares }
 }
+
+#[cfg(test)]
+mod tests;

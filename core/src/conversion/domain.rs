@@ -95,6 +95,9 @@ impl<'m> Domain<'m> {
     /// The weighted mean of addresses near one another: in the plane of two faces unfolded, or of a vertex's faces
     /// spread to a full turn (half a one on the boundary). `None` if they are not near.
     pub(super) fn blend(&self, parts: &[(f64, Address)]) -> Option<Address> {
+        if let Some(address) = self.blend_in_one_face(parts) {
+            return Some(address);
+        }
         let mut own = [(0.0, parts.first()?.1); 3];
         let parts = self.on_one_side(parts, &mut own);
         let home = parts.first()?.1.face;
@@ -111,6 +114,27 @@ impl<'m> Domain<'m> {
             .iter()
             .fold(DVec2::ZERO, |sum, &(weight, address)| sum + self.spread_round(v, address) * weight);
         settle(&self.base, self.spread_back(v, mean))
+    }
+
+    /// Blends where one face holds all the addresses, those on its border too whose own chart is another's.
+    fn blend_in_one_face(&self, parts: &[(f64, Address)]) -> Option<Address> {
+        let mut means = [(u32::MAX, 0.0); 3];
+        for &(weight, address) in parts {
+            let corners = self.base.faces()[address.face as usize];
+            for (v, b) in corners.into_iter().zip(address.b).filter(|(_, b)| *b != 0.0) {
+                let mean = means.iter_mut().find(|mean| mean.0 == v || mean.0 == u32::MAX)?;
+                *mean = (v, mean.1 + weight * b);
+            }
+        }
+        let holds = |face: u32| {
+            let corners = self.base.faces()[face as usize];
+            means.iter().all(|&(v, _)| v == u32::MAX || corners.contains(&v))
+        };
+        let home = parts.first()?.1.face;
+        let beside = (0..3).filter_map(|k| Some(self.base.across(home, k)?.face));
+        let face = std::iter::once(home).chain(beside).find(|&face| holds(face))?;
+        let of = |v: u32| means.iter().find(|mean| mean.0 == v).map_or(0.0, |mean| mean.1);
+        Some(Address { face, b: self.base.faces()[face as usize].map(of) })
     }
 
     /// The same addresses, those on sharp edges in the chart of the face that one of the others is inside of: blends
@@ -370,3 +394,6 @@ pub(super) fn sorted(mut face: [u32; 3]) -> [u32; 3] {
     face.sort_unstable();
     face
 }
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -211,3 +211,6 @@ impl Places {
         Self { points, at, density }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -178,3 +178,6 @@ fn turned(length: f64, angle: f64) -> DVec2 {
 fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
+
+#[cfg(test)]
+mod tests;
