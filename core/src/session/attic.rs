@@ -47,6 +47,17 @@ impl Attic {
         self.make_room();
     }
 
+    /// Brings a step back into memory, before it is undone or redone.
+    ///
+    /// # Errors
+    /// It cannot be read any more.
+    pub(super) fn call_back(&mut self, packed: &Packed) -> io::Result<()> {
+        if packed.call_back()? {
+            self.keep(packed);
+        }
+        Ok(())
+    }
+
     /// How much of the history is in memory.
     pub(super) fn in_memory(&self) -> usize {
         let alive = self.handles.iter().filter_map(Weak::upgrade);

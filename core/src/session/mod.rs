@@ -214,8 +214,9 @@ impl Session {
             if !progress(at as f32 / lines.len() as f32) {
                 return Err(stop(ReplayReason::Cancelled));
             }
-            replay::replay_entry(&mut self.model.surface, &mut self.record, &line.entry).map_err(stop)?;
-            self.settle_history();
+            let history = (&mut self.record, &mut self.attic);
+            replay::replay_entry(&mut self.model.surface, history, &line.entry).map_err(stop)?;
+            self.source_fits();
             match &line.entry {
                 Entry::Edit(edit) => {
                     edits += 1;
@@ -261,13 +262,9 @@ impl Session {
     /// Brings a step back into memory before it is undone or redone; none if that fails.
     fn call_back(&mut self, at: usize) -> Option<()> {
         let packed = self.record.entries().nth(at)?.as_ref().packed();
-        match packed.call_back() {
-            Ok(false) => {}
-            Ok(true) => self.attic.keep(packed),
-            Err(error) => {
-                self.history_failure = Some(format!("The history cannot be read any more: {error}"));
-                return None;
-            }
+        if let Err(error) = self.attic.call_back(packed) {
+            self.history_failure = Some(format!("The history cannot be read any more: {error}"));
+            return None;
         }
         Some(())
     }
@@ -285,12 +282,6 @@ impl Session {
         if let Some(entry) = self.record.head().checked_sub(1).and_then(|at| self.record.entries().nth(at)) {
             self.attic.keep(entry.as_ref().packed());
         }
-        self.source_fits();
-    }
-
-    /// Counts all steps of a log that was replayed.
-    fn keep_history(&mut self) {
-        self.record.entries().for_each(|entry| self.attic.keep(entry.as_ref().packed()));
         self.source_fits();
     }
 

@@ -110,7 +110,7 @@ pub fn open_model(
         return Err(damaged(&log_path(path), line, what).into());
     }
     let mut record = Record::new();
-    replay(&mut model.surface, &mut record, &lines, &|_| true)
+    replay(&mut model.surface, (&mut record, &mut Attic::default()), &lines, &|_| true)
         .map_err(|error| SessionError::Replay { path: log_path(path), error })?;
     if record.entries().take(record.head()).any(|entry| entry.as_ref().reshapes()) {
         model.source = None;
@@ -201,7 +201,8 @@ impl Session {
         }
         let original = model.stated_hash;
         let mut record = Record::new();
-        let edits = replay(&mut model.surface, &mut record, &lines, progress)
+        let mut attic = Attic::default();
+        let edits = replay(&mut model.surface, (&mut record, &mut attic), &lines, progress)
             .map_err(|error| SessionError::Replay { path: log_path(path), error })?;
         let saved_at = lines.iter().rposition(|l| l.line.entry == Entry::Save).map_or(0, |at| at + 1);
         let mut log = LogText::default();
@@ -223,9 +224,9 @@ impl Session {
             equaliser: None,
             source,
             history_failure: None,
-            attic: Attic::default(),
+            attic,
         };
-        session.keep_history();
+        session.source_fits();
         Ok(session)
     }
 }

@@ -1,6 +1,7 @@
 //! Replaying a log or script onto a surface.
 
-use crate::edit::{Edit, EditError, Entry, Step, plan};
+use super::attic::Attic;
+use crate::edit::{Edit, EditError, Entry, Packed, Step, plan};
 use crate::file::NumberedLine;
 use crate::surface::{Changes, Surface, SurfaceHash};
 use thiserror::Error;
@@ -47,6 +48,11 @@ pub enum ReplayReason {
         /// What the surface has.
         found: SurfaceHash,
     },
+    /// A step of the history that was put away cannot be read.
+    #[error(
+        "the step before cannot be read any more: {0}; make room on the disk for scratch files and open again"
+    )]
+    Lost(String),
     /// The user stopped it.
     #[error("stopped")]
     Cancelled,
@@ -82,10 +88,10 @@ pub(super) fn perform(surface: &mut Surface, record: &mut Record, edit: Edit) ->
     Ok(record.edit(surface, step))
 }
 
-/// Replays one entry.
+/// Replays one entry; old steps go to the attic when they outgrow its budget.
 pub(super) fn replay_entry(
     surface: &mut Surface,
-    record: &mut Record,
+    (record, attic): (&mut Record, &mut Attic),
     entry: &Entry,
 ) -> Result<Option<Changes>, ReplayReason> {
     let mut joined: Option<Changes> = None;
@@ -94,32 +100,51 @@ pub(super) fn replay_entry(
         None => joined = Some(changes),
     };
     match entry {
-        Entry::Edit(edit) => join(perform(surface, record, edit.clone())?),
+        Entry::Edit(edit) => {
+            join(perform(surface, record, edit.clone())?);
+            packed(record, record.head() - 1).map(|packed| attic.keep(packed));
+        }
         Entry::Undo(wanted) => {
             if record.head() < *wanted as usize {
                 return Err(ReplayReason::NothingToUndo { wanted: *wanted, there: record.head() });
             }
-            (0..*wanted).filter_map(|_| record.undo(surface)).for_each(join);
+            for _ in 0..*wanted {
+                call_back(attic, record, record.head() - 1)?;
+                record.undo(surface).map(&mut join);
+            }
         }
         Entry::Redo(wanted) => {
             let there = record.len() - record.head();
             if there < *wanted as usize {
                 return Err(ReplayReason::NothingToRedo { wanted: *wanted, there });
             }
-            (0..*wanted).filter_map(|_| record.redo(surface)).for_each(join);
+            for _ in 0..*wanted {
+                call_back(attic, record, record.head())?;
+                record.redo(surface).map(&mut join);
+            }
         }
         Entry::Save | Entry::Discard | Entry::Binding { .. } => {}
     }
     Ok(joined)
 }
 
-/// Replays lines in order; returns how many were edits. `progress` gets the share done and returns whether to go on.
+fn packed(record: &Record, at: usize) -> Option<&Packed> {
+    Some(record.entries().nth(at)?.as_ref().packed())
+}
+
+fn call_back(attic: &mut Attic, record: &Record, at: usize) -> Result<(), ReplayReason> {
+    packed(record, at)
+        .map_or(Ok(()), |packed| attic.call_back(packed))
+        .map_err(|error| ReplayReason::Lost(error.to_string()))
+}
+
+/// Replays lines in order, the history kept within the attic's budget; returns how many were edits. `progress` gets the share done and returns whether to go on.
 ///
 /// # Errors
 /// The first line that cannot be replayed; the surface then holds everything before it.
 pub(super) fn replay(
     surface: &mut Surface,
-    record: &mut Record,
+    (record, attic): (&mut Record, &mut Attic),
     lines: &[NumberedLine],
     progress: &dyn Fn(f32) -> bool,
 ) -> Result<u64, ReplayError> {
@@ -129,7 +154,7 @@ pub(super) fn replay(
         if !progress(at as f32 / lines.len() as f32) {
             return Err(stop(ReplayReason::Cancelled));
         }
-        replay_entry(surface, record, &line.entry).map_err(stop)?;
+        replay_entry(surface, (record, attic), &line.entry).map_err(stop)?;
         edits += u64::from(matches!(line.entry, Entry::Edit(_)));
         if let Some(stated) = line.hash {
             let found = surface.hash();
@@ -140,3 +165,6 @@ pub(super) fn replay(
     }
     Ok(edits)
 }
+
+#[cfg(test)]
+mod tests;
