@@ -5,13 +5,14 @@
 //! wrap around.
 
 use super::Wavelet;
-use super::regularity::{irregular_sites, is_regular};
+use super::explicit_rows::ExplicitRows;
+use super::regular_disc::RegularDisc;
+use super::regularity::is_regular;
 use super::rows::Stencil;
 use super::weights::{LARGEST_DISC, WeightSolver};
-use crate::hierarchy::{Hierarchy, Layout, Level, Odd, Site, Slot};
+use crate::hierarchy::{Hierarchy, Layout, Level, Odd, Site};
 use crate::mesh::shapes;
 use pulp::{Arch, Simd, WithSimd};
-use rustc_hash::{FxHashMap, FxHashSet};
 use thiserror::Error;
 
 /// The neighbourhoods of some vertices are too large for the chosen wavelet.
@@ -23,14 +24,6 @@ pub struct ValenceTooHigh {
     vertex: u32,
     valence: usize,
     wavelet: Wavelet,
-}
-
-/// Weights of one level for the vertices that the constant stencil does not serve.
-#[derive(Debug, Default)]
-struct ExplicitRows {
-    rows: FxHashMap<u32, (u32, u32)>,
-    /// Those of a row by odd vertex.
-    taps: Vec<(Odd, i32)>,
 }
 
 /// A row of the constant stencil: coefficients at one row offset, with their offsets along it.
@@ -61,10 +54,11 @@ impl Filters {
         {
             refuse_high_valence(hierarchy, wavelet)?;
         }
-        let mut solver = WeightSolver::default();
-        let regular = regular_taps(&mut solver, wavelet);
+        let solver = WeightSolver::default();
+        let regular = regular_taps(&solver, wavelet);
+        let disc = RegularDisc::new(&solver, wavelet);
         let explicit = (0..hierarchy.finest().0)
-            .map(|j| explicit_rows(&mut solver, hierarchy.layout(Level(j)), wavelet))
+            .map(|j| ExplicitRows::new(&solver, &disc, hierarchy.layout(Level(j)), wavelet))
             .collect();
         let taps = regular.iter().flat_map(|row| row.taps.iter().map(|&(di, w)| (row.dr, di, w)));
         let stencil = Stencil::new(taps);
@@ -118,9 +112,7 @@ impl Filters {
         if is_regular(layout, site, self.wavelet) {
             return None;
         }
-        let ExplicitRows { rows, taps } = &self.explicit[layout.level().index()];
-        let &(from, to) = rows.get(&layout.slot(site).0).expect("irregular vertices have explicit rows");
-        Some(&taps[from as usize..to as usize])
+        Some(self.explicit[layout.level().index()].row(layout.slot(site)))
     }
 
     /// Calls back for every coefficient of level j that updates the even vertex, with its weight.
@@ -199,43 +191,8 @@ impl WithSimd for FourLanes<'_> {
     }
 }
 
-fn explicit_rows(solver: &mut WeightSolver, layout: &Layout, wavelet: Wavelet) -> ExplicitRows {
-    let Wavelet::Disc(k) = wavelet else { return ExplicitRows::default() };
-    let sites = irregular_sites(layout, wavelet);
-    let wanted: FxHashSet<Slot> = sites.iter().map(|&s| layout.slot(s)).collect();
-
-    // Every odd vertex whose disc can reach a wanted vertex: edges with an end within k edges of one.
-    let mut odds: FxHashMap<Odd, Site> = FxHashMap::default();
-    for end in layout.disc(&sites, k) {
-        for neighbour in layout.ring(end).around {
-            let site = layout.midpoint(end, neighbour);
-            odds.insert(layout.odd_at(site), site);
-        }
-    }
-    let mut triples: Vec<(Slot, Odd, i32)> = Vec::new();
-    for (&odd, &site) in &odds {
-        let stencil = solver.stencil(layout, site, wavelet);
-        for (&v, &weight) in stencil.vertices.iter().zip(&stencil.weights) {
-            let slot = layout.slot(v);
-            if wanted.contains(&slot) {
-                triples.push((slot, odd, weight));
-            }
-        }
-    }
-    triples.sort_unstable();
-    let mut rows: FxHashMap<u32, (u32, u32)> = wanted.iter().map(|slot| (slot.0, (0, 0))).collect();
-    for (at, &(slot, ..)) in triples.iter().enumerate() {
-        let row = rows.get_mut(&slot.0).expect("every row is wanted");
-        if row.1 == 0 {
-            row.0 = at as u32;
-        }
-        row.1 = at as u32 + 1;
-    }
-    ExplicitRows { rows, taps: triples.into_iter().map(|(_, odd, weight)| (odd, weight)).collect() }
-}
-
 /// The constant stencil, read off the middle of one finely divided triangle.
-fn regular_taps(solver: &mut WeightSolver, wavelet: Wavelet) -> Vec<TapRow> {
+fn regular_taps(solver: &WeightSolver, wavelet: Wavelet) -> Vec<TapRow> {
     if wavelet == Wavelet::Lazy {
         return Vec::new();
     }

@@ -2,8 +2,10 @@
 //!
 //! Whole levels are transformed by [`rows`]; [`lifting`] is the plain reference, which gives the same bits.
 
+mod explicit_rows;
 mod filters;
 pub mod lifting;
+mod regular_disc;
 mod regularity;
 pub mod rows;
 pub mod weights;

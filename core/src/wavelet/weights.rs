@@ -11,6 +11,7 @@
 use super::Wavelet;
 use crate::hierarchy::{Layout, Ring, Site};
 use rustc_hash::FxHashMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Weights are integers: `w = round(s · 2^20)`.
 pub const WEIGHT_BITS: u32 = 20;
@@ -30,22 +31,31 @@ pub struct OddStencil {
 /// Solves stencils and remembers the answers, which repeat from level to level and from place to place.
 #[derive(Debug, Default)]
 pub struct WeightSolver {
-    solved: FxHashMap<Vec<i32>, Vec<i32>>,
+    solved: Mutex<FxHashMap<Vec<i32>, Vec<i32>>>,
 }
 
 impl WeightSolver {
     /// The stencil of an odd vertex: `odd` is a site of the level above `layout`'s. Cost: the disc's rings, and
-    /// `O(|N_k|³)` for a neighbourhood not met before.
-    pub fn stencil(&mut self, layout: &Layout, odd: Site, wavelet: Wavelet) -> OddStencil {
+    /// `O(|N_k|³)` for a neighbourhood not met before. Threads may share a solver.
+    pub fn stencil(&self, layout: &Layout, odd: Site, wavelet: Wavelet) -> OddStencil {
         let Wavelet::Disc(k) = wavelet else {
             return OddStencil { vertices: Vec::new(), weights: Vec::new() };
         };
         let parents = layout.parents(odd);
         let vertices = updated_vertices(layout, odd, parents, k);
         let system = System::assemble(layout, parents, &vertices);
-        let weights =
-            self.solved.entry(system.entries).or_insert_with_key(|entries| solve(entries, vertices.len()));
-        OddStencil { weights: weights.clone(), vertices }
+        let known = self.solved().get(&system.entries).cloned();
+        let weights = known.unwrap_or_else(|| {
+            let weights = solve(&system.entries, vertices.len());
+            self.solved().insert(system.entries, weights.clone());
+            weights
+        });
+        OddStencil { vertices, weights }
+    }
+
+    fn solved(&self) -> MutexGuard<'_, FxHashMap<Vec<i32>, Vec<i32>>> {
+        // Whole entries go in, so a panic of another thread leaves nothing half done.
+        self.solved.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
