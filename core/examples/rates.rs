@@ -3,6 +3,7 @@
 //! * `rates convert MESH OUT.boz BASE_FACES LEVELS PRECISION WAVELET`: remeshes and writes; 0 levels takes the mesh's own connectivity.
 //! * `rates measure FILE.boz MESH [FOLDER]`: the smallest files at 55 to 80 dB, the surface of each written to the folder as a mesh.
 //! * `rates speed FILE.boz PRECISION`: bytes without loss at that precision, and vertices a second.
+//! * `rates opening FILE.boz`: the machine; how long the whole takes to open, and prefixes of it up to the normals of a first picture.
 
 use bozzetto_core::conversion::{ConversionOptions, Remesh, convert};
 use bozzetto_core::file::{Metadata, Model, Size, decode, encode, encode_smaller};
@@ -25,7 +26,8 @@ fn main() {
         ["measure", file, mesh] => measure(file, mesh, None),
         ["measure", file, mesh, folder] => measure(file, mesh, Some(folder)),
         ["speed", file, precision] => speed(file, precision.parse().expect("bits")),
-        _ => eprintln!("rates convert|measure|speed …; see the top of core/examples/rates.rs"),
+        ["opening", file] => opening(file),
+        _ => eprintln!("rates convert|measure|speed|opening …; see the top of core/examples/rates.rs"),
     }
 }
 
@@ -102,4 +104,30 @@ fn speed(file: &str, precision: u8) {
         vertices / write / 1e6,
         vertices / read / 1e6
     );
+}
+
+/// A line of the machine's description by its key.
+fn described(path: &str, key: &str) -> String {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let line = text.lines().find(|line| line.starts_with(key)).and_then(|line| line.split_once(':'));
+    line.map_or_else(|| "unknown".to_owned(), |(_, value)| value.trim().to_owned())
+}
+
+fn opening(file: &str) {
+    let bytes = std::fs::read(file).expect("a readable file");
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = std::env::var("RAYON_NUM_THREADS").unwrap_or_else(|_| threads.to_string());
+    println!("{}, {threads} threads", described("/proc/cpuinfo", "model name"));
+    for part in [bytes.len(), bytes.len() / 4, bytes.len() / 16, bytes.len() / 64] {
+        let mut seconds: Vec<f64> = (0..5)
+            .map(|_| {
+                let start = Instant::now();
+                let held = decode(&bytes[..part], Path::new(file)).expect("what was written").surface;
+                assert!(!held.to_mesh(held.finest()).faces.is_empty());
+                start.elapsed().as_secs_f64()
+            })
+            .collect();
+        seconds.sort_by(f64::total_cmp);
+        println!("{file}: {part} of {} bytes as triangles after {:.0} ms", bytes.len(), 1e3 * seconds[2]);
+    }
 }

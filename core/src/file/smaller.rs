@@ -5,7 +5,7 @@
 //! the whole surface was made from, and at a kilobyte they cost more than detail does.
 
 use super::held::surface_of;
-use super::progressive::{Encoded, decode_stream};
+use super::progressive::{Border, Encoded, decode_stream};
 use super::wavelet_file::{Metadata, Model, Parts, encode_parts, finest_stream};
 use crate::mesh::{CompareOptions, TriangleMesh, compare};
 use crate::surface::Surface;
@@ -102,7 +102,8 @@ fn cut_to(model: &Model, stream: &Encoded, length: usize) -> (Vec<u8>, Model) {
     let decoded = decode_stream(&hierarchy, others.as_ref().unwrap_or(&filters), stream.coding, &bytes)
         .expect("the base positions are there");
     let held = surface_of(hierarchy, filters, surface.form().clone(), decoded).expect("a surface holds it");
-    let borders = stream.borders.iter().copied().filter(|border| border.position <= length).collect();
+    let mut borders: Vec<Border> = stream.borders.iter().copied().filter(|b| b.position < length).collect();
+    borders.push(Border { position: length, error: stream.error_at(length) });
     let mut smaller = Model::new(held, None, Metadata::default());
     smaller.unknown.clone_from(&model.unknown);
     let parts = if length == stream.bytes.len() { Parts::Many } else { Parts::Few };

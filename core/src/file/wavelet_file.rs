@@ -75,8 +75,7 @@ pub struct Model {
 pub struct CurvePoint {
     /// The first bytes of the file.
     pub bytes: usize,
-    /// The root of the mean squared error in model units, as the writer estimated it from the coefficients; 0 where
-    /// nothing is missing.
+    /// The root of the mean squared distance in model units, as the writer measured it; 0 where nothing is missing.
     pub error: f64,
 }
 
@@ -166,13 +165,13 @@ fn stream(surface: &Surface, granularity: Granularity) -> Encoded {
 /// The stream in chunks, each with the error that it leaves: cut at borders where they are not too far apart.
 fn wave_chunks(stream: &Encoded, parts: Parts) -> Vec<Chunk> {
     let mut chunks = Vec::new();
-    let (mut from, mut before) = (0, stream.borders[0]);
+    let mut from = 0;
     for (at, &border) in stream.borders.iter().enumerate() {
         let last = at + 1 == stream.borders.len();
         // Of a long block a part is worth having too.
         while border.position - from > parts.most(from) {
             let to = from + parts.most(from);
-            chunks.push(wave_chunk(&stream.bytes[from..to], before.error));
+            chunks.push(wave_chunk(&stream.bytes[from..to], stream.error_at(to)));
             from = to;
         }
         if last || border.position - from >= parts.least(from) {
@@ -180,7 +179,6 @@ fn wave_chunks(stream: &Encoded, parts: Parts) -> Vec<Chunk> {
             chunks.push(wave_chunk(&stream.bytes[from..to], border.error));
             from = to;
         }
-        before = border;
     }
     chunks
 }

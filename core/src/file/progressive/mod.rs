@@ -12,5 +12,5 @@ mod transform;
 mod visit;
 
 pub(super) use connectivity::{decode_base, encode_base};
-pub(super) use stream::{Decoded, Encoded, Granularity, Held, decode_stream, encode_stream};
+pub(super) use stream::{Border, Decoded, Encoded, Granularity, Held, decode_stream, encode_stream};
 pub(super) use transform::Coding;

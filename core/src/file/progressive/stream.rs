@@ -9,7 +9,7 @@ mod errors;
 
 pub(in crate::file) use self::choice::Granularity;
 use self::choice::{Choice, coarsest, noise};
-use self::errors::Errors;
+use self::errors::Ruler;
 use super::butterfly::{Curves, bends};
 use super::finish::{self, finish};
 use super::frames::{Frame, frames};
@@ -314,7 +314,7 @@ impl State<'_> {
 pub(in crate::file) struct Border {
     /// How many bytes are read here.
     pub(in crate::file) position: usize,
-    /// The root of the mean squared error left, in steps, as the coefficients tell it.
+    /// The root of the mean squared distance to the whole, in steps; 0 only where nothing is missing.
     pub(in crate::file) error: f64,
 }
 
@@ -324,6 +324,51 @@ pub(in crate::file) struct Encoded {
     pub(in crate::file) bytes: Vec<u8>,
     pub(in crate::file) borders: Vec<Border>,
 }
+
+impl Encoded {
+    /// The error after so many bytes, from the first border on: in a block, which goes from vertex to vertex, the square
+    /// falls evenly.
+    pub(in crate::file) fn error_at(&self, position: usize) -> f64 {
+        match self.borders.partition_point(|border| border.position <= position) {
+            0 => self.borders[0].error,
+            at if at == self.borders.len() => self.borders[at - 1].error,
+            at => between(self.borders[at - 1], self.borders[at], position),
+        }
+    }
+}
+
+fn between(before: Border, after: Border, position: usize) -> f64 {
+    let share = (position - before.position) as f64 / (after.position - before.position) as f64;
+    let squared = |border: Border| border.error * border.error;
+    ((1.0 - share) * squared(before) + share * squared(after)).sqrt()
+}
+
+/// Borders of which some are measured, the first and the last among them: at the others errors are taken to fall evenly,
+/// or, before the end, their squares.
+fn filled(measured: &[(usize, Option<f64>)]) -> Vec<Border> {
+    let mut borders: Vec<Border> = Vec::with_capacity(measured.len());
+    for (at, &(position, error)) in measured.iter().enumerate() {
+        let error = error.unwrap_or_else(|| {
+            let next = |&(position, error): &(usize, Option<f64>)| Some(Border { position, error: error? });
+            let after = measured[at..].iter().find_map(next).expect("the last is measured");
+            let before = borders[at - 1];
+            let share =
+                (position - before.position) as f64 / (after.position - before.position).max(1) as f64;
+            match after.error > 0.0 {
+                true => before.error + share * (after.error - before.error),
+                false => between(before, after, position.min(after.position)),
+            }
+        });
+        borders.push(Border { position, error });
+    }
+    borders
+}
+
+/// Borders are measured that are as far from the last one measured: bytes, or a part of those before it.
+const MEASURED_EVERY: usize = 128;
+const MEASURED_PART: usize = 4;
+/// Of surfaces with more finest vertices, where measuring takes longer than writing, only at every doubling.
+const OFTEN_UP_TO: usize = 1 << 14;
 
 /// Writes a surface as a stream. `O(n_J)` for each plane.
 pub(in crate::file) fn encode_stream(surface: &Surface, coding: Coding, granularity: Granularity) -> Encoded {
@@ -346,8 +391,10 @@ pub(in crate::file) fn encode_stream(surface: &Surface, coding: Coding, granular
         if finest == Level::BASE { 0 } else { u32::from(surface.form().precision).saturating_sub(6) };
     let mut encoder = Encoder::default();
     state.beginning(&mut encoder, &truth);
-    let mut errors = Errors::new(&state, &truth);
-    let mut borders = vec![Border { position: encoder.position(), error: errors.total(hierarchy) }];
+    let mut ruler = Ruler::new(surface);
+    let part = if surface.scaling(finest).len() > OFTEN_UP_TO { 1 } else { MEASURED_PART };
+    let mut last = encoder.position();
+    let mut borders = vec![(last, Some(ruler.measure(&state)))];
     let mut finishing = granularity == Granularity::Coarse;
     loop {
         let candidates = state.candidates();
@@ -355,17 +402,23 @@ pub(in crate::file) fn encode_stream(surface: &Surface, coding: Coding, granular
         finishing |= matches!(first, Step::Refine(j, _) if j + 1 == finest.index() && plane <= noise);
         let choice =
             if finishing { coarsest(&candidates) } else { Choice { index: 0, count: 1, finish: false } };
-        let step = candidates[choice.index].0;
-        state.step(&mut encoder, &candidates, choice, &mut truth);
-        errors.renew(&state, &truth, step);
+        // What comes next is long.
         if choice.finish
-            && let Step::Refine(j, _) = step
+            && let Some((position, error @ None)) = borders.last_mut()
         {
-            errors.renew(&state, &truth, Step::Begin(j));
+            *error = Some(ruler.measure(&state));
+            last = *position;
         }
-        borders.push(Border { position: encoder.position(), error: errors.total(hierarchy) });
+        state.step(&mut encoder, &candidates, choice, &mut truth);
+        let position = encoder.position();
+        let far = position - last >= MEASURED_EVERY.max(last / part);
+        if far {
+            last = position;
+        }
+        borders.push((position, far.then(|| ruler.measure(&state))));
     }
-    Encoded { coding, bytes: encoder.finish(), borders }
+    borders.last_mut().expect("the first at least").1 = Some(0.0);
+    Encoded { coding, bytes: encoder.finish(), borders: filled(&borders) }
 }
 
 /// What a stream, or the part of it that is there, holds.

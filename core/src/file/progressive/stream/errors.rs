@@ -1,67 +1,114 @@
-//! How far what a reader has is from the whole, kept up to date from block to block.
+//! How far the surface that a reader has at some place of the stream is from the whole: measured on the surfaces.
+//!
+//! From points of the triangles of either surface to the other, by going to ever nearer triangles from those with the same address,
+//! both root mean squares over the area, of which the larger counts. Levels that have not begun are looked at some levels
+//! deep: what finer ones would do is little beside that.
 
-use super::super::planes::CLASSES;
-use super::{State, Step, Truth, restored};
-use crate::hierarchy::{Hierarchy, Level, Odd};
-use crate::surface::Vector;
+use super::State;
+use crate::hierarchy::{Layout, Level, Site, Slot, Subtriangle};
+use crate::mesh::closest_on_triangle;
+use crate::surface::{Surface, Vector};
+use glam::DVec3;
+use rayon::prelude::*;
 
-/// The squared errors left, by level and class.
-pub(super) struct Errors {
-    base: f64,
-    levels: Vec<[f64; 2]>,
+/// Points that are measured, at most, on each surface: the result is some hundredths off.
+const SAMPLES: u32 = 2048;
+/// Levels beyond those that have begun that are looked at.
+const DEEPER: usize = 2;
+/// The least that is stated where something is missing, in steps.
+const LEAST: f64 = 1.0 / 1024.0;
+
+/// What the whole surface is on the level that was measured last.
+pub(super) struct Ruler<'a> {
+    whole: &'a Surface,
+    level: Level,
+    /// Of the triangles that are measured.
+    corners: Vec<[u32; 3]>,
+    exact: Vec<Vector>,
 }
 
-impl Errors {
-    pub(super) fn new(state: &State, truth: &Truth) -> Self {
-        let mut errors = Self { base: 0.0, levels: vec![[0.0; 2]; state.levels.len()] };
-        errors.renew(state, truth, Step::Base);
-        for j in 0..state.levels.len() {
-            errors.renew(state, truth, Step::Begin(j));
-        }
-        errors
+impl<'a> Ruler<'a> {
+    pub(super) fn new(whole: &'a Surface) -> Self {
+        let mut ruler = Self { whole, level: Level::BASE, corners: Vec::new(), exact: Vec::new() };
+        ruler.turn_to(Level::BASE);
+        ruler
     }
 
-    pub(super) fn renew(&mut self, state: &State, truth: &Truth, step: Step) {
-        let square = |x: i32, y: i32| {
-            let off = f64::from(x) - f64::from(y);
-            off * off
+    fn turn_to(&mut self, level: Level) {
+        let (hierarchy, finest) = (self.whole.hierarchy(), self.whole.finest());
+        let triangles = hierarchy.triangles(level);
+        let count = triangles.len() as u32;
+        let chosen =
+            |sample: u32| triangles[if count <= SAMPLES { sample } else { spread(sample, count) } as usize];
+        let exact = self.whole.scaling(finest);
+        let at_finest = |slot: u32| exact[hierarchy.refine_slot(level, finest, Slot(slot)).index()];
+        self.corners = (0..count.min(SAMPLES)).map(chosen).collect();
+        self.exact = (0..hierarchy.layout(level).len()).into_par_iter().map(at_finest).collect();
+        self.level = level;
+    }
+
+    /// The distance in steps. Cost: a synthesis of the levels that have begun and [`DEEPER`] more, and some thousand walks. The
+    /// same for any number of threads.
+    pub(super) fn measure(&mut self, state: &State) -> f64 {
+        let begun = state.levels.iter().rposition(|details| !details.known.is_empty()).map_or(0, |j| j + 1);
+        let level = Level((begun + DEEPER).min(self.whole.finest().index()) as u8);
+        if level != self.level {
+            self.turn_to(level);
+        }
+        let known = state.synthesise(level.index());
+        let layout = state.hierarchy.layout(level);
+        let measured = |(sample, corners): (usize, &[u32; 3])| -> [f64; 3] {
+            // Three points that give the mean of a quadratic function; each triangle has one of them.
+            let start = corners[sample % 3];
+            let site = layout.site(Slot(start));
+            let corners_of = |positions: &[Vector]| {
+                corners.map(|slot| DVec3::from_array(positions[slot as usize].map(f64::from)))
+            };
+            let point = |[a, b, c]: [DVec3; 3], at: DVec3| (a + b + c + 3.0 * at) / 6.0;
+            let (ours, theirs) = (corners_of(&self.exact), corners_of(&known));
+            let at = |triangle: [DVec3; 3]| point(triangle, triangle[sample % 3]);
+            let squared = |positions: &[Vector], point| squared_distance(layout, positions, site, point);
+            let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
+            // Points count by the area around them; by something where there is none at all.
+            let weight = area(ours).max(f64::MIN_POSITIVE);
+            [weight, weight * squared(&self.exact, at(theirs)), weight * squared(&known, at(ours))]
         };
-        match step {
-            Step::Base => {
-                let known = state.known_base();
-                let pairs = known.iter().zip(&truth.base);
-                self.base = pairs.map(|(k, t)| (0..3).map(|c| square(k[c], t[c])).sum::<f64>()).sum();
-            }
-            Step::Begin(j) => (0..2).for_each(|class| self.renew(state, truth, Step::Refine(j, class))),
-            Step::Refine(j, class) => {
-                let (coarse, fine) =
-                    (state.hierarchy.layout(Level(j as u8)), state.hierarchy.layout(Level(j as u8 + 1)));
-                let details = &state.levels[j];
-                let range = CLASSES[class].clone();
-                let of_odd = |(odd, t): (usize, &Vector)| {
-                    let known = match details.known.is_empty() {
-                        true => [0; 3],
-                        false => details.known[fine.slot(coarse.odd_site(Odd(odd as u32))).index()],
-                    };
-                    range
-                        .clone()
-                        .map(|c| square(restored(known[c], details.planes[class]), t[c]))
-                        .sum::<f64>()
-                };
-                // In order, so that the sum does not depend on threads.
-                self.levels[j][class] = truth.local[j].iter().enumerate().map(of_odd).sum();
+        let samples: Vec<[f64; 3]> =
+            self.corners.par_iter().enumerate().with_min_len(128).map(measured).collect();
+        let sum = |c: usize| samples.iter().map(|sample| sample[c]).sum::<f64>();
+        (sum(1).max(sum(2)) / sum(0)).sqrt().max(LEAST)
+    }
+}
+
+/// The squared distance of a point from the triangles near a vertex: from those at it on to those at the corners of the nearest, until
+/// none is nearer.
+fn squared_distance(layout: &Layout, positions: &[Vector], start: Site, p: DVec3) -> f64 {
+    let sites = |triangle: Subtriangle| {
+        triangle.corners().map(|[i, r]| layout.site_at(triangle.face, [layout.segments() - i - r, i, r]))
+    };
+    let squared = |triangle: Subtriangle| {
+        let place = |site: Site| DVec3::from_array(positions[layout.slot(site).index()].map(f64::from));
+        closest_on_triangle(p, &sites(triangle).map(place)).1
+    };
+    let mut best: (f64, Option<Subtriangle>) = (f64::INFINITY, None);
+    let mut corners = vec![start];
+    loop {
+        let before = best.0;
+        for triangle in corners.iter().flat_map(|&site| Subtriangle::incident(layout, site)) {
+            let found = squared(triangle);
+            if found < best.0 {
+                best = (found, Some(triangle));
             }
         }
+        match best {
+            (found, Some(nearest)) if found < before => corners = sites(nearest).to_vec(),
+            _ => return best.0,
+        }
     }
+}
 
-    /// The root of the mean over the surface. A tangential error counts a sixteenth.
-    pub(super) fn total(&self, hierarchy: &Hierarchy) -> f64 {
-        let faces = hierarchy.base().faces().len() as f64;
-        let levels = self
-            .levels
-            .iter()
-            .enumerate()
-            .map(|(j, [normal, tangential])| (normal + tangential / 16.0) / f64::from(4u32 << (2 * j)));
-        ((self.base + levels.sum::<f64>()) / faces).sqrt()
-    }
+/// Numbers below a count, evenly spread by the golden ratio.
+fn spread(sample: u32, count: u32) -> u32 {
+    let part = sample.wrapping_mul(0x9e37_79b9);
+    ((u64::from(part) * u64::from(count)) >> 32) as u32
 }
