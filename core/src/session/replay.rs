@@ -102,7 +102,9 @@ pub(super) fn replay_entry(
     match entry {
         Entry::Edit(edit) => {
             join(perform(surface, record, edit.clone())?);
-            packed(record, record.head() - 1).map(|packed| attic.keep(packed));
+            if let Some(packed) = packed(record, record.head() - 1) {
+                attic.keep(packed);
+            }
         }
         Entry::Undo(wanted) => {
             if record.head() < *wanted as usize {

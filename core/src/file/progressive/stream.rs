@@ -364,11 +364,18 @@ fn filled(measured: &[(usize, Option<f64>)]) -> Vec<Border> {
     borders
 }
 
-/// Borders are measured that are as far from the last one measured: bytes, or a part of those before it.
+/// Borders are measured that are so many bytes at least from the last one measured.
 const MEASURED_EVERY: usize = 128;
-const MEASURED_PART: usize = 4;
-/// Of surfaces with more finest vertices, where measuring takes longer than writing, only at every doubling.
-const OFTEN_UP_TO: usize = 1 << 14;
+
+/// And so far from one after `before` bytes: the more vertices, the longer measuring takes beside writing.
+fn measured_after(before: usize, vertices: usize) -> usize {
+    let apart = match vertices {
+        0..=16_384 => before / 4,
+        16_385..=65_536 => before,
+        _ => 3 * before,
+    };
+    apart.max(MEASURED_EVERY)
+}
 
 /// Writes a surface as a stream. `O(n_J)` for each plane.
 pub(in crate::file) fn encode_stream(surface: &Surface, coding: Coding, granularity: Granularity) -> Encoded {
@@ -392,7 +399,7 @@ pub(in crate::file) fn encode_stream(surface: &Surface, coding: Coding, granular
     let mut encoder = Encoder::default();
     state.beginning(&mut encoder, &truth);
     let mut ruler = Ruler::new(surface);
-    let part = if surface.scaling(finest).len() > OFTEN_UP_TO { 1 } else { MEASURED_PART };
+    let vertices = surface.scaling(finest).len();
     let mut last = encoder.position();
     let mut borders = vec![(last, Some(ruler.measure(&state)))];
     let mut finishing = granularity == Granularity::Coarse;
@@ -411,7 +418,7 @@ pub(in crate::file) fn encode_stream(surface: &Surface, coding: Coding, granular
         }
         state.step(&mut encoder, &candidates, choice, &mut truth);
         let position = encoder.position();
-        let far = position - last >= MEASURED_EVERY.max(last / part);
+        let far = position - last >= measured_after(last, vertices);
         if far {
             last = position;
         }
