@@ -83,6 +83,32 @@ fn marked_edges_are_kept_and_exported() {
     }
 }
 
+/// The base mesh is mirrored where the mesh nearly is its own mirror image, and refused with how far it is off elsewhere.
+#[test]
+fn a_base_mesh_is_mirrored_along_an_axis() {
+    let work = Workplace::new();
+    let mut mesh = tall();
+    mesh.positions.iter_mut().for_each(|p| p[0] += 0.3 * (p[1] + 20.0).powi(2));
+    work.write("ball.obj", obj(&mesh));
+    let import =
+        |more: &[&'static str]| [&["import", "ball.obj", "-o", "ball.boz"][..], &SMALL, more].concat();
+    let plain = work.json(&import(&[]));
+    for axis in ["z", "Z"] {
+        let json = work.json(&import(&["--symmetric", axis]));
+        let faces = json["base_faces"].as_u64().expect("a count");
+        assert!(faces <= 40 && faces.is_multiple_of(2), "{faces}");
+        assert_ne!(json["hash"], plain["hash"]);
+    }
+    work.refuses(&import(&["--symmetric", "x"]), &["ball.obj", "mirrored along x", "% of its diagonal"]);
+    let outcome = work.run(&import(&["--symmetric", "up"]));
+    assert!(outcome.status == 2 && outcome.stderr.contains("x, y, z"), "{outcome:?}");
+    // Vertices that are kept are not mirrored, and that is said.
+    work.write("regular.obj", obj(&wavy_ball(2)));
+    let kept = work.json(&["import", "regular.obj", "-o", "kept.boz", "--symmetric", "x"]);
+    let said = kept["cleaned"].to_string();
+    assert!(said.contains("not made symmetric along x"), "{said}");
+}
+
 /// A model whose z axis is up is drawn upright: as its copy, turned, whose y axis is.
 #[test]
 fn a_model_with_z_up_is_drawn_upright() {

@@ -1,6 +1,7 @@
-//! Converts a mesh and says how well it went: `convert MODEL BASE_FACES LEVELS OUT.obj SHARP_ANGLE TOLERANCE` (0 = by
-//! default, the last two optional; an angle of - is the default one).
+//! Converts a mesh and says how well it went: `convert MODEL BASE_FACES LEVELS OUT.obj SHARP_ANGLE TOLERANCE AXIS` (0 = by
+//! default, the last three optional; an angle or a tolerance of - is the default one). AXIS is x, y or z.
 
+use bozzetto_core::conversion::Axis;
 use bozzetto_core::conversion::remesh::{Phase, RemeshOptions, remesh};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::io;
@@ -21,6 +22,7 @@ fn main() {
         levels: number(2).map(|n| n as u8),
         sharp_angle: arguments.get(4).and_then(|a| a.parse().ok()),
         tolerance: arguments.get(5).and_then(|a| a.parse().ok()),
+        symmetric: arguments.get(6).and_then(|a| Axis::ALL.into_iter().find(|axis| axis.to_string() == *a)),
         ..RemeshOptions::default()
     };
     let phases: RefCell<Vec<(Phase, Instant)>> = RefCell::new(Vec::new());
@@ -32,7 +34,7 @@ fn main() {
         }
         true
     })
-    .expect("a conversion");
+    .unwrap_or_else(|e| panic!("{}: {e}", arguments[0]));
     let end = Instant::now();
     let mut phases = phases.into_inner();
     phases.push((Phase::Measure, end));

@@ -1,5 +1,8 @@
 //! Sharp edges and corners through the conversion: marked where the input has them, and on it at every level.
 
+mod mirrored;
+
+use bozzetto_core::conversion::Axis;
 use bozzetto_core::conversion::remesh::{RemeshOptions, Remeshed, remesh};
 use bozzetto_core::hierarchy::{BaseMesh, Level, Site};
 use bozzetto_core::mesh::{BoundingVolumes, TriangleMesh, shapes};
@@ -240,4 +243,37 @@ fn the_angle_is_the_users() {
     // Faces of an octahedron meet at 70.5°.
     assert!(marks(70.0) >= 12);
     assert_eq!(marks(71.0), 0);
+}
+
+/// A cube with a roof on it; the ridge lies in the plane x = 0.5.
+fn house() -> TriangleMesh {
+    let mut mesh = block(0);
+    for p in &mut mesh.positions {
+        if (p[0] - 0.5).abs() < 0.05 {
+            p[0] = 0.5;
+        }
+        p[2] *= 1.5 - (p[0] - 0.5).abs();
+    }
+    mesh
+}
+
+/// Creases that cross the mirror plane, and one that lies in it.
+#[test]
+fn a_symmetric_base_keeps_its_creases() {
+    for (name, input, plane, expected) in [("block", block(1), 1.5, 16), ("house", house(), 0.5, 10)] {
+        let options = RemeshOptions {
+            base_faces: Some(120),
+            levels: Some(3),
+            symmetric: Some(Axis::X),
+            ..RemeshOptions::default()
+        };
+        let made = remesh(&input, &options, &|_, _| true).expect(name);
+        mirrored::check(name, &made.hierarchy, &made.positions, plane, 0.0);
+        assert_eq!(corners(made.hierarchy.base()).len(), expected, "{name}");
+        let curve = curves(&input, false);
+        for level in (0..=3).map(Level) {
+            let off = crease_error(&surface(&made, Wavelet::Lazy), level, &curve);
+            assert!(off < 1e-6 * input.diagonal(), "{name}, level {level:?}: {off}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 mod window;
 
 use bozzetto::editor::{PreviewView, Start};
-use bozzetto_core::conversion::{ConversionOptions, convert};
+use bozzetto_core::conversion::{Axis, ConversionOptions, convert};
 use bozzetto_core::disk::Disk;
 use bozzetto_core::edit::{Edit, Gain};
 use bozzetto_core::file::{Metadata, Model};
@@ -116,13 +116,12 @@ fn preview(window: &mut Window) {
 
 /// The surface that the same import gives without a window.
 fn imported(path: &Path, up: UpAxis) -> SurfaceHash {
-    imported_with(path, up, None)
+    imported_with(path, up, ConversionOptions::default())
 }
 
-fn imported_with(path: &Path, up: UpAxis, sharp_angle: Option<f64>) -> SurfaceHash {
+fn imported_with(path: &Path, up: UpAxis, options: ConversionOptions) -> SurfaceHash {
     let mesh = read_mesh(path).expect("a mesh");
-    let sizes = ConversionOptions { levels: Some(2), base_faces: Some(40), ..ConversionOptions::default() };
-    let options = ConversionOptions { sharp_angle, ..sizes };
+    let options = ConversionOptions { levels: Some(2), base_faces: Some(40), ..options };
     let made = convert(&mesh, &options).expect("converted");
     let form = FormOptions { up, ..FormOptions::default() };
     Surface::from_positions(made.hierarchy, &made.positions, &form).expect("small").hash()
@@ -387,7 +386,34 @@ fn edges_are_kept_sharp_above_a_chosen_angle() {
     preview(&mut window);
     let session = &window.state().preview().expect("a preview").document().session;
     assert!(!session.surface().hierarchy().base().sharp_edges().is_empty());
-    assert_eq!(session.hash(), imported_with(&mesh, UpAxis::Y, Some(12.0)), "as without a window");
+    let options = ConversionOptions { sharp_angle: Some(12.0), ..ConversionOptions::default() };
+    assert_eq!(session.hash(), imported_with(&mesh, UpAxis::Y, options), "as without a window");
+    assert_ne!(session.hash(), imported(&mesh, UpAxis::Y));
+}
+
+#[test]
+fn a_base_mesh_is_mirrored_along_the_chosen_axis() {
+    if !can_draw() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let mesh = folder.path().join("ball.obj");
+    write(&irregular(3), &mesh);
+    let mut window = editor(Start::Empty);
+    open(&mut window, &mesh);
+    choose_small_sizes(&mut window);
+    click(&mut window, "Symmetry x");
+    // Its sides along x are not alike.
+    window.get_by_label("Preview").click();
+    settle(&mut window);
+    let (text, failed) = window.state().message().expect("a message");
+    assert!(failed && text.contains("mirrored along x the mesh is"), "{text}");
+    assert!(window.state().preview().is_none());
+    click(&mut window, "Symmetry y");
+    preview(&mut window);
+    let session = &window.state().preview().expect("a preview").document().session;
+    let options = ConversionOptions { symmetric: Some(Axis::Y), ..ConversionOptions::default() };
+    assert_eq!(session.hash(), imported_with(&mesh, UpAxis::Y, options), "as without a window");
     assert_ne!(session.hash(), imported(&mesh, UpAxis::Y));
 }
 

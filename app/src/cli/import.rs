@@ -9,7 +9,7 @@ use crate::figures::tolerance;
 use crate::opening::{ImportOptions, import_file};
 use crate::report::report;
 use anyhow::{Result, bail};
-use bozzetto_core::conversion::{ConversionOptions, Remesh};
+use bozzetto_core::conversion::{Axis, ConversionOptions, Remesh};
 use bozzetto_core::file::encode;
 use bozzetto_core::mesh::{CompareOptions, compare};
 use clap::ValueEnum;
@@ -24,6 +24,7 @@ use std::path::{Path, PathBuf};
     Example: bozzetto import scan.obj -o scan.boz --wavelet 2\n\
     Example: bozzetto import part.stl -o part.boz --up z --unit mm --tolerance 1e-3 --report part.html\n\
     Example: bozzetto import scan.ply -o scan.boz --levels 5 --base-faces 500 --json\n\
+    Example: bozzetto import bust.ply -o bust.boz --symmetric x\n\
     Example: bozzetto import scan.ply -o small.boz --levels 5 --base-faces 60 --precision 18 --psnr 65"
 )]
 pub(super) struct Args {
@@ -49,6 +50,10 @@ pub(super) struct Args {
     /// in OBJ those of `l` lines and between smoothing groups, in PLY the elements `edge`.
     #[arg(long, value_name = "DEGREES", value_parser = degrees)]
     sharp_angle: Option<f64>,
+    /// Make the base mesh its own mirror image along this axis of the file, so that both sides have the same handles. The mesh
+    /// must be nearly symmetric; the surface keeps what is uneven about it.
+    #[arg(long, value_name = "AXIS", ignore_case = true)]
+    symmetric: Option<AxisArg>,
     /// Upper limit of base faces; chosen from the mesh if left out.
     #[arg(long, value_name = "N")]
     base_faces: Option<usize>,
@@ -79,6 +84,13 @@ enum RemeshArg {
     Never,
 }
 
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum AxisArg {
+    X,
+    Y,
+    Z,
+}
+
 impl Args {
     fn options(&self) -> Result<ImportOptions> {
         let remesh = match self.remesh {
@@ -93,6 +105,11 @@ impl Args {
                 base_faces: self.base_faces,
                 tolerance: self.tolerance,
                 sharp_angle: self.sharp_angle,
+                symmetric: self.symmetric.map(|axis| match axis {
+                    AxisArg::X => Axis::X,
+                    AxisArg::Y => Axis::Y,
+                    AxisArg::Z => Axis::Z,
+                }),
             },
             form: self.form.options()?,
         })

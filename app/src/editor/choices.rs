@@ -1,7 +1,7 @@
 //! What a user chooses for an import.
 
 use crate::opening::ImportOptions;
-use bozzetto_core::conversion::{ConversionOptions, Remesh};
+use bozzetto_core::conversion::{Axis, ConversionOptions, Remesh};
 use bozzetto_core::surface::{DEFAULT_PRECISION, FormOptions, Placement, UpAxis};
 use bozzetto_core::wavelet::{Scheme, Wavelet};
 
@@ -32,6 +32,8 @@ pub struct ImportChoices {
     pub tolerance: Option<f64>,
     /// The angle in degrees above which edges stay sharp; otherwise they do on meshes that look made.
     pub sharp_angle: Option<f64>,
+    /// Along which axis of the model the base mesh is its own mirror image, if it is to be.
+    pub symmetric: Option<Axis>,
     /// Which wavelets.
     pub wavelet: Wavelet,
     /// Bits of precision.
@@ -54,6 +56,7 @@ impl ImportChoices {
             base_faces: None,
             tolerance: None,
             sharp_angle: None,
+            symmetric: None,
             wavelet: Wavelet::Disc(2),
             precision: DEFAULT_PRECISION,
             up: UpAxis::Y,
@@ -75,9 +78,10 @@ impl ImportChoices {
 
     /// As options of an import.
     pub fn options(&self) -> ImportOptions {
-        let Self { remesh, levels, base_faces, tolerance, sharp_angle, wavelet, precision, up, .. } = *self;
+        let Self { remesh, levels, base_faces, tolerance, sharp_angle, symmetric, .. } = *self;
+        let Self { wavelet, precision, up, .. } = *self;
         ImportOptions {
-            conversion: ConversionOptions { levels, remesh, base_faces, tolerance, sharp_angle },
+            conversion: ConversionOptions { levels, remesh, base_faces, tolerance, sharp_angle, symmetric },
             form: FormOptions { scheme: Scheme::Linear, wavelet, precision, up, unit: self.unit.clone() },
         }
     }

@@ -224,6 +224,7 @@ impl Report<'_> {
             ("Levels", conversion.levels.map_or_else(automatic, |levels| levels.to_string())),
             ("Base faces", conversion.base_faces.map_or_else(automatic, |n| format!("at most {n}"))),
             ("Sharp angle", conversion.sharp_angle.map_or_else(automatic, |angle| format!("{angle}°"))),
+            ("Symmetry", conversion.symmetric.map_or("none".to_owned(), |axis| format!("along {axis}"))),
             ("Tolerance", conversion.tolerance.map_or("none".to_owned(), percent)),
             (
                 "Wavelet",

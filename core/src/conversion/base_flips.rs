@@ -24,11 +24,11 @@ const LEAST_GAIN: f64 = 0.05;
 /// The lattice over a base mesh with better edges; `None` if no edge is worth a flip. Each face takes part in one flip
 /// at most. Linear.
 pub(super) fn flipped(lattice: &Lattice, domain: &Domain, places: &Places) -> Option<Lattice> {
-    let base = lattice.hierarchy.base();
+    let (base, seam) = (lattice.hierarchy.base(), &domain.seam);
     let shapes: Vec<Shape> = (0..base.faces().len()).map(|f| shape(lattice, places, f)).collect();
     let mut valences: Vec<i64> = (0..base.vertex_count()).map(|v| base.fan(v).corners.len() as i64).collect();
     let mut gains: Vec<(f64, u32)> = (0..base.edges().len() as u32)
-        .filter_map(|e| Some((gain(base, &shapes, &valences, e)?, e)))
+        .filter_map(|e| Some((gain(base, seam, &shapes, &valences, e)?, e)))
         .filter(|(gain, _)| *gain > LEAST_GAIN)
         .collect();
     gains.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -37,12 +37,12 @@ pub(super) fn flipped(lattice: &Lattice, domain: &Domain, places: &Places) -> Op
     let mut old = FxHashMap::default();
     let mut faces: Vec<[u32; 3]> = Vec::new();
     for (_, e) in gains {
-        let Some(flip) = flip(base, e) else { continue };
+        let Some(flip) = flip(base, seam, e) else { continue };
         let [c, d] = flip.apexes;
         let key = [c.min(d), c.max(d)];
         if flip.faces.iter().any(|&f| used[f as usize])
             || made.contains(&key)
-            || gain(base, &shapes, &valences, e).is_none_or(|gain| gain <= LEAST_GAIN)
+            || gain(base, seam, &shapes, &valences, e).is_none_or(|gain| gain <= LEAST_GAIN)
         {
             continue;
         }
@@ -66,8 +66,9 @@ pub(super) fn flipped(lattice: &Lattice, domain: &Domain, places: &Places) -> Op
     lattice.rebased(domain, next, &old)
 }
 
-/// The two faces of an edge and what it would become; `None` for curves and where the other diagonal exists.
-fn flip(base: &BaseMesh, e: u32) -> Option<Flipped> {
+/// The two faces of an edge and what it would become; `None` for curves, and where the other diagonal exists or would join
+/// two vertices of the seam.
+fn flip(base: &BaseMesh, seam: &[bool], e: u32) -> Option<Flipped> {
     if base.is_sharp(e) {
         return None;
     }
@@ -85,12 +86,17 @@ fn flip(base: &BaseMesh, e: u32) -> Option<Flipped> {
         return None;
     }
     let joined = base.fan(c).corners.iter().any(|&(f, _)| base.faces()[f as usize].contains(&d));
-    (c != d && !joined).then_some(Flipped { ends: [a, b], apexes: [c, d], faces: [left.face, right.face] })
+    let bridge = seam[c as usize] && seam[d as usize];
+    (c != d && !joined && !bridge).then_some(Flipped {
+        ends: [a, b],
+        apexes: [c, d],
+        faces: [left.face, right.face],
+    })
 }
 
 /// What flipping an edge gains; `None` where it cannot be flipped.
-fn gain(base: &BaseMesh, shapes: &[Shape], valences: &[i64], e: u32) -> Option<f64> {
-    let Flipped { ends: [a, b], apexes: [c, d], faces: [left, right] } = flip(base, e)?;
+fn gain(base: &BaseMesh, seam: &[bool], shapes: &[Shape], valences: &[i64], e: u32) -> Option<f64> {
+    let Flipped { ends: [a, b], apexes: [c, d], faces: [left, right] } = flip(base, seam, e)?;
     let open = |v: u32| !base.fan(v).closed;
     let least = |v: u32| if open(v) { 3 } else { 5 };
     if [a, b].iter().any(|&v| valences[v as usize] < least(v)) {

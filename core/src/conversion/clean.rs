@@ -13,7 +13,7 @@ use marks::Marks;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 mod cut;
-mod disjoint_sets;
+pub(super) mod disjoint_sets;
 mod marks;
 pub(super) mod weld;
 

@@ -84,7 +84,12 @@ impl Collapser {
         let plan = self.plan(mesh, quadrics, ends, rules)?;
         let quality = least_quality(mesh, &plan, rules)?;
         let quadric = quadrics[plan.kept as usize].plus(&quadrics[plan.gone as usize]);
-        let valence = mesh.valence(plan.kept) + mesh.valence(plan.gone) - 4;
+        let valence = if mesh.is_seam(plan.kept) {
+            let faces = [plan.kept, plan.gone].map(|v| mesh.star(v).len());
+            mesh.valence_with(plan.kept, faces[0] + faces[1] - if mesh.is_seam(plan.gone) { 2 } else { 4 })
+        } else {
+            mesh.valence(plan.kept) + mesh.valence(plan.gone) - 4
+        };
         let crowded = valence.saturating_sub(7) as f64;
         let shape = 1.0 + SLIVER_PENALTY * (1.0 / quality.max(0.05) - 1.0) + VALENCE_PENALTY * crowded;
         Some((quadric.at(plan.place) + ROUNDING, shape))
@@ -146,6 +151,13 @@ impl Collapser {
             (kept, gone) = (b, a);
             std::mem::swap(near_kept, near_gone);
         }
+        if mesh.is_seam(kept) && !mesh.is_seam(gone) {
+            // What is off the seam has an image: tips stay two, and no edge may bridge the seam.
+            let bridges = |&w: &u32| w != kept && mesh.is_seam(w) && near_kept.binary_search(&w).is_err();
+            if tips[usize::from(kept == a)].is_some() || near_gone.iter().any(bridges) {
+                return None;
+            }
+        }
         let shared = || near_kept.iter().filter(|v| near_gone.binary_search(v).is_ok());
         let opposite = sides.iter().flatten().count();
         if shared().count() != opposite {
@@ -174,19 +186,27 @@ impl Collapser {
             return None;
         }
         let (least, most) = rules.valences;
-        let valence = mesh.valence(kept) + mesh.valence(gone) - 2 - opposite;
+        let valence = mesh.valence_with(kept, mesh.star(kept).len() + mesh.star(gone).len() - 2 * opposite);
+        // A vertex that goes onto the seam goes there from both sides.
+        let most = most + if mesh.is_seam(kept) && !mesh.is_seam(gone) { 2 } else { 0 };
         if valence > most && valence > mesh.valence(kept).max(mesh.valence(gone)) {
             return None;
         }
-        let thinned =
-            |&v: &u32| mesh.valence(v) <= if mesh.is_boundary(v) { rules.least_on_boundary } else { least };
+        let thinned = |&v: &u32| {
+            let least = if mesh.is_boundary(v) && !mesh.is_seam(v) { rules.least_on_boundary } else { least };
+            mesh.valence_with(v, mesh.star(v).len() - 1) < least
+        };
         if shared().any(thinned) || narrows(mesh, [kept, gone], sides) {
             return None;
         }
-        let at_tip = !mesh.is_on_curve(kept) && tips != [None; 2];
+        let at_tip = (!mesh.is_on_curve(kept) || mesh.is_only_seam(kept)) && tips != [None; 2];
         let stays = at_tip || mesh.is_corner(kept) || (mesh.is_on_curve(kept) && !mesh.is_on_curve(gone));
+        let along = if stays { along.map(|(_, after)| (None, after)) } else { along };
         let place = if stays {
             mesh.positions[kept as usize]
+        } else if mesh.is_seam(kept) {
+            let (p, q) = (mesh.positions[kept as usize], mesh.positions[gone as usize]);
+            quadrics[kept as usize].plus(&quadrics[gone as usize]).minimum_near(p, q).with_x(0.0)
         } else {
             let (p, q) = (mesh.positions[kept as usize], mesh.positions[gone as usize]);
             let quadric = quadrics[kept as usize].plus(&quadrics[gone as usize]);

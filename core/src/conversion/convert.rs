@@ -5,6 +5,7 @@ use super::clean::CleanReport;
 use super::clean::weld::equal;
 use super::marks::mark;
 use super::remesh::{Phase, RemeshError, RemeshOptions, remesh};
+use super::symmetry::Axis;
 use crate::hierarchy::detection::{Detected, detect, own_base};
 use crate::hierarchy::{FINEST_LEVEL, Hierarchy, NotABaseMesh};
 use crate::mesh::connectivity::NotManifold;
@@ -39,6 +40,8 @@ pub struct ConversionOptions {
     /// When the mesh is remeshed: edges sharper than this angle in degrees are kept sharp; by default on meshes that
     /// look made.
     pub sharp_angle: Option<f64>,
+    /// When the mesh is remeshed: along which axis the base mesh is its own mirror image; the mesh must be nearly symmetric.
+    pub symmetric: Option<Axis>,
 }
 
 /// A hierarchy with positions.
@@ -140,6 +143,11 @@ pub fn convert_with_progress(
             marks.len()
         ));
     }
+    if let Some(axis) = options.symmetric {
+        cleaned.push(format!(
+            "the mesh keeps its own vertices, so its base mesh was not made symmetric along {axis}; that needs converting it in any case"
+        ));
+    }
     let positions = source.par_iter().map(|&v| mesh.positions[v as usize]).collect();
     let source = (kind != Kind::OwnBase).then_some(source);
     Ok(Converted { hierarchy, positions, source, cleaned, measured: None })
@@ -196,8 +204,9 @@ fn remeshed(
     if extent > 0.0 && extent < LEAST_EXTENT {
         return Err(ConversionError::TooSmall);
     }
-    let ConversionOptions { levels, base_faces, tolerance, sharp_angle, .. } = *options;
-    let remeshing = RemeshOptions { base_faces, levels, tolerance, sharp_angle, ..RemeshOptions::default() };
+    let ConversionOptions { levels, base_faces, tolerance, sharp_angle, symmetric, .. } = *options;
+    let remeshing =
+        RemeshOptions { base_faces, levels, tolerance, sharp_angle, symmetric, ..RemeshOptions::default() };
     let made = remesh(mesh, &remeshing, progress)?;
     let (hierarchy, positions, cleaned) = (made.hierarchy, made.positions, made.cleaned);
     Ok(Converted { hierarchy, positions, source: None, cleaned, measured: Some(made.measured) })

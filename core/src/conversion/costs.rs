@@ -46,9 +46,14 @@ impl Costs {
         DENSITY_WEIGHT * 3.0 * m * n * (m + n)
     }
 
-    /// Lets `kept` stand for what `gone` stood for.
-    pub(super) fn join(&mut self, kept: u32, gone: u32) {
+    /// Lets `kept` stand for what `gone` stood for; on the seam of half a mesh also for the image of that.
+    pub(super) fn join(&mut self, mesh: &WorkingMesh, kept: u32, gone: u32) {
+        let both = mesh.is_seam(kept) && !mesh.is_seam(gone);
         let [kept, gone] = [kept, gone].map(|v| v as usize);
+        if both {
+            self.quadrics[kept] = self.quadrics[kept].plus(&self.quadrics[gone].mirrored());
+            self.masses[kept] += self.masses[gone];
+        }
         self.quadrics[kept] = self.quadrics[kept].plus(&self.quadrics[gone]);
         self.masses[kept] += self.masses[gone];
     }
@@ -68,7 +73,10 @@ fn quadrics(mesh: &WorkingMesh) -> Vec<Quadric> {
         }
         for k in 0..3 {
             let (v, w) = (face[k], face[(k + 1) % 3]);
-            let on_boundary = mesh.is_boundary(v) && mesh.is_boundary(w) && mesh.sides(v, w)[1].is_none();
+            let on_boundary = mesh.is_boundary(v)
+                && mesh.is_boundary(w)
+                && !(mesh.is_seam(v) && mesh.is_seam(w))
+                && mesh.sides(v, w)[1].is_none();
             if on_boundary || mesh.is_crease(v, w) {
                 let (p, q) = (mesh.positions[v as usize], mesh.positions[w as usize]);
                 let side = (q - p).cross(normal).normalize_or_zero();
@@ -80,6 +88,9 @@ fn quadrics(mesh: &WorkingMesh) -> Vec<Quadric> {
                 add(w, quadric);
             }
         }
+    }
+    for (quadric, _) in quadrics.iter_mut().zip(0..).filter(|&(_, v)| mesh.is_seam(v)) {
+        *quadric = quadric.plus(&quadric.mirrored());
     }
     quadrics
 }

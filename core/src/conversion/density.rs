@@ -155,6 +155,12 @@ impl Density {
         }
     }
 
+    /// That of the first vertices alone.
+    pub(super) fn of_first(mut self, count: usize) -> Self {
+        [&mut self.at, &mut self.own, &mut self.areas].into_iter().for_each(|values| values.truncate(count));
+        self
+    }
+
     /// The area of the input.
     pub(super) fn area(&self) -> f64 {
         self.areas.iter().sum()

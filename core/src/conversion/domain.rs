@@ -39,6 +39,8 @@ pub(super) struct Domain<'m> {
     pub(super) pinned: Vec<bool>,
     /// For each vertex whether it is the tip of something that evening must not leave behind.
     pub(super) tips: Vec<bool>,
+    /// For each vertex whether it lies on the seam of half a mesh.
+    pub(super) seam: Vec<bool>,
     /// Its boundary and sharp edges.
     pub(super) curves: Curves,
     map: &'m Parameterisation,
@@ -65,6 +67,7 @@ impl<'m> Domain<'m> {
             .map(|ends| ends.map(|v| number[v as usize]))
             .collect();
         let pinned: Vec<bool> = live.clone().map(|v| mesh.is_corner(v)).collect();
+        let seam = live.clone().map(|v| mesh.is_seam(v)).collect();
         let tips = tips(mesh, live);
         let base = BaseMesh::new(count, mesh.live_faces().map(numbered).collect(), &sharp)?;
         let by_corners: FxHashMap<[u32; 3], u32> =
@@ -79,7 +82,7 @@ impl<'m> Domain<'m> {
             })
             .collect();
         let curves = Curves::new(&base, &pinned);
-        Ok(Self { base: Arc::new(base), working, pinned, tips, curves, map })
+        Ok(Self { base: Arc::new(base), working, pinned, tips, seam, curves, map })
     }
 
     /// The point of the input. Cost: that of [`Parameterisation::back`].
@@ -249,7 +252,7 @@ fn tips(mesh: &WorkingMesh, live: impl Iterator<Item = u32>) -> Vec<bool> {
     let pointed = |v: u32| {
         let mut near = Vec::new();
         mesh.neighbours(v, &mut near);
-        if mesh.is_on_curve(v) { 0.0 } else { mesh.pointedness(v, &near) }
+        if mesh.is_on_curve(v) && !mesh.is_only_seam(v) { 0.0 } else { mesh.pointedness(v, &near) }
     };
     let tip = |v: u32| {
         let own = pointed(v);

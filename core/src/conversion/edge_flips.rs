@@ -64,7 +64,7 @@ fn try_flip(mesh: &mut WorkingMesh, map: &mut Parameterisation, a: u32, b: u32, 
     let [Some(left), Some(right)] = mesh.sides(a, b) else { return false };
     let [c, d] =
         [left, right].map(|f| mesh.face(f).into_iter().find(|&v| v != a && v != b).expect("a corner"));
-    if mesh.sides(c, d) != [None; 2] || mesh.is_crease(a, b) {
+    if mesh.sides(c, d) != [None; 2] || mesh.is_crease(a, b) || (mesh.is_seam(c) && mesh.is_seam(d)) {
         return false;
     }
     // Between two sharp edges stay the faces that are there, for wide angles need more than one.
@@ -78,14 +78,15 @@ fn try_flip(mesh: &mut WorkingMesh, map: &mut Parameterisation, a: u32, b: u32, 
         return false;
     }
     let excess = |v: u32, change: i64| {
-        let ideal = if mesh.is_boundary(v) { 4 } else { 6 };
-        let off = mesh.valence(v) as i64 + change - ideal;
-        (off * off) as f64
+        let ideal = if mesh.is_boundary(v) && !mesh.is_seam(v) { 4 } else { 6 };
+        let off = mesh.valence_with(v, (mesh.star(v).len() as i64 + change) as usize) as i64 - ideal;
+        // One vertex of the seam stands beside two of any other.
+        (off * off) as f64 * if mesh.is_seam(v) { 0.5 } else { 1.0 }
     };
     let valences = excess(a, 0) + excess(b, 0) + excess(c, 0) + excess(d, 0)
         - (excess(a, -1) + excess(b, -1) + excess(c, 1) + excess(d, 1));
     // Two faces at a boundary vertex, three at any other; four neighbours are better.
-    if [a, b].iter().any(|&v| mesh.valence(v) <= 3) {
+    if [a, b].iter().any(|&v| mesh.valence_with(v, mesh.star(v).len() - 1) < 3) {
         return false;
     }
     let worse = |one: [DVec3; 3], other: [DVec3; 3]| quality(one).min(quality(other));

@@ -299,6 +299,7 @@ impl<'w> Slides<'w> {
                 let way = (way * length).clamp_length_max(limit);
                 match warp.layout().site(Slot(slot as u32)) {
                     Site::Edge { edge, .. } if lattice.curves.holds(edge) => DVec2::new(way.x, 0.0),
+                    Site::Base(v) if tips[v as usize] => DVec2::ZERO,
                     Site::Base(v) if lattice.curves.passes(v) => match lattice.curves.through(v) {
                         None => DVec2::ZERO,
                         Some(edges) => {
@@ -307,7 +308,6 @@ impl<'w> Slides<'w> {
                             if forward > 0.0 { a * forward } else { b * -forward }
                         }
                     },
-                    Site::Base(v) if tips[v as usize] => DVec2::ZERO,
                     _ => way,
                 }
             })

@@ -2,10 +2,9 @@
 //! lie on, those in corners stay.
 
 use super::creases::Creases;
-use super::domain::Domain;
-use super::lattice::Lattice;
+use super::curves::Curves;
 use super::normal_equations::Symmetric;
-use crate::hierarchy::{Layout, Site, Slot};
+use crate::hierarchy::{Hierarchy, Layout, Site, Slot};
 use crate::mesh::{BoundingVolumes, TriangleMesh};
 use glam::DVec3;
 
@@ -33,10 +32,10 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// The vertices of a lattice by its base mesh's marks, with `places` on the input.
+    /// The vertices of the finest level by the base mesh's marks and `pinned` vertices, with `places` on the input.
     pub(super) fn new(
-        lattice: &Lattice,
-        domain: &Domain,
+        hierarchy: &Hierarchy,
+        pinned: &[bool],
         places: &[DVec3],
         mesh: &TriangleMesh,
         creases: &Creases,
@@ -44,10 +43,10 @@ impl Held {
         let rows = creases.chains();
         let of_segment: Vec<u32> =
             rows.iter().zip(0..).flat_map(|(row, chain)| vec![chain; row.len() - 1]).collect();
-        let base = lattice.hierarchy.base();
-        let layout = lattice.layout();
+        let (base, layout) = (hierarchy.base(), hierarchy.layout(hierarchy.finest()));
+        let along = Curves::new(base, pinned);
         let mut held = Self { holds: vec![Hold::Free; places.len()], chains: Vec::new() };
-        for v in (0..base.vertex_count()).filter(|&v| domain.pinned[v as usize]) {
+        for v in (0..base.vertex_count()).filter(|&v| pinned[v as usize]) {
             held.holds[layout.slot(Site::Base(v)).index()] = Hold::Fixed;
         }
         let Some(tree) = curves(mesh, &rows) else { return held };
@@ -61,7 +60,7 @@ impl Held {
                 held.holds[slot(t).index()] = Hold::Along { chain, near: [slot(t - 1).0, slot(t + 1).0] };
             }
             for v in base.edges()[edge as usize] {
-                held.holds[layout.slot(Site::Base(v)).index()] = match lattice.curves.through(v) {
+                held.holds[layout.slot(Site::Base(v)).index()] = match along.through(v) {
                     Some(edges) => Hold::Along { chain, near: edges.map(|e| next_to(layout, v, e).0) },
                     None => Hold::Fixed,
                 };
@@ -116,7 +115,7 @@ impl Held {
 }
 
 /// Rows of vertices as segments that can be asked for closest points; `None` without rows.
-fn curves(mesh: &TriangleMesh, rows: &[Vec<u32>]) -> Option<BoundingVolumes> {
+pub(super) fn curves(mesh: &TriangleMesh, rows: &[Vec<u32>]) -> Option<BoundingVolumes> {
     let positions = rows.iter().flatten().map(|&v| mesh.positions[v as usize]).collect();
     let mut faces = Vec::new();
     let mut first = 0;

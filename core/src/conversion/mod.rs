@@ -1,5 +1,6 @@
 //! Any mesh or picture to a hierarchy with positions.
 
+mod approach;
 mod base_flips;
 pub mod clean;
 mod collapse;
@@ -15,11 +16,13 @@ mod fit;
 mod fitted;
 mod flatten;
 mod globe;
+mod halve;
 mod held;
 mod lattice;
 mod lay_out;
 mod marks;
 mod mend;
+mod mirror;
 mod normal_equations;
 mod parameterise;
 mod patch;
@@ -28,6 +31,7 @@ mod quadric;
 pub mod remesh;
 mod simplify;
 mod size;
+mod symmetry;
 mod target;
 mod thin;
 mod unfold;
@@ -38,3 +42,4 @@ mod working_mesh;
 
 pub use convert::{ConversionError, ConversionOptions, Converted, Remesh, convert, convert_with_progress};
 pub use globe::{EquirectangularGrid, GlobeError, GridMeaning, globe};
+pub use symmetry::Axis;

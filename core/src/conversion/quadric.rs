@@ -37,6 +37,12 @@ impl Quadric {
         Self { a: std::array::from_fn(|k| self.a[k] + other.a[k]), b: self.b + other.b, c: self.c + other.c }
     }
 
+    /// That of the mirror image in the plane x = 0.
+    pub(super) fn mirrored(&self) -> Self {
+        let [xx, xy, xz, yy, yz, zz] = self.a;
+        Self { a: [xx, -xy, -xz, yy, yz, zz], b: self.b.with_x(-self.b.x), c: self.c }
+    }
+
     /// The value at a point; not below 0.
     pub(super) fn at(&self, x: DVec3) -> f64 {
         (x.dot(self.matrix() * x) + 2.0 * self.b.dot(x) + self.c).max(0.0)

@@ -1,18 +1,22 @@
 //! The whole conversion: clean, simplify, resample, fit, measure.
 
+use super::approach::{Features, approach};
 use super::clean::clean;
 use super::creases::Creases;
 use super::density::Density;
 use super::domain::Domain;
 use super::edge_flips::{flip_edges, open_ears};
 use super::fit::{FitRules, fit};
+use super::halve::Half;
 use super::held::Held;
 use super::lattice::Lattice;
 use super::lay_out::{Input, NoLattice, lay_out};
 use super::mend::Mending;
+use super::mirror::{Laid, mirrored};
 use super::parameterise::Parameterisation;
 use super::simplify::{Cancelled, simplify};
 use super::size::{Attempts, Size, affordable};
+use super::symmetry::{Axis, NEARLY, mirror_plane};
 use super::target::Target;
 use super::thin::thin;
 use super::walk::Ground;
@@ -36,6 +40,9 @@ pub struct RemeshOptions {
     /// default they do on meshes that look made, from 20° or 40°. Marked edges are sharp in any case, and corners of the
     /// boundary are kept.
     pub sharp_angle: Option<f64>,
+    /// Makes the base mesh its own mirror image along an axis: the mesh must be nearly symmetric in a plane across it. By
+    /// default it need not be.
+    pub symmetric: Option<Axis>,
     /// Vertices no further apart than this, in model units, are merged. Default 0: exact duplicates only.
     pub weld: f64,
 }
@@ -86,6 +93,25 @@ pub enum RemeshError {
         /// Levels.
         levels: u8,
     },
+    /// The two sides of the mesh differ too much for a mirrored base mesh.
+    #[error(
+        "mirrored along {axis} the mesh is {:.1} % of its diagonal off itself (root mean square), and at most {:.1} % is nearly symmetric; turn it so that its sides face along {axis}, choose another axis, or import it without symmetry",
+        rms * 100.0, NEARLY * 100.0
+    )]
+    NotSymmetric {
+        /// The axis asked for.
+        axis: Axis,
+        /// Root mean square of the distance between the mesh and its mirror image, over the diagonal.
+        rms: f64,
+    },
+    /// Half of the mesh and its mirror image do not make the topology of the mesh.
+    #[error(
+        "the two sides of the mesh along {axis} differ in handles, holes or parts, so no base mesh of it is symmetric; mend them to be alike, or import it without symmetry"
+    )]
+    SidesDiffer {
+        /// The axis asked for.
+        axis: Axis,
+    },
     /// The simplified mesh is no base mesh.
     #[error("the simplified mesh cannot be a base mesh: {0}; please report the model")]
     NotABaseMesh(#[from] NotABaseMesh),
@@ -121,8 +147,15 @@ pub fn remesh(
     }
     let cleaned = clean(mesh, options.weld).ok_or(RemeshError::Empty)?;
     let input = cleaned.to_mesh();
-    let frame = Frame::around(&input).ok_or(RemeshError::Empty)?;
-    let prepared = Prepared::new(frame.into_unit(&input), cleaned.connectivity, progress)?;
+    let mut frame = Frame::around(&input).ok_or(RemeshError::Empty)?;
+    if let Some(axis) = options.symmetric {
+        frame = frame.about(axis, mirror_plane(&input, axis)?);
+    }
+    let mut prepared = Prepared::new(frame.into_unit(&input), cleaned.connectivity, progress)?;
+    if let Some(axis) = options.symmetric {
+        let half = Half::of(&prepared.ground, &prepared.connectivity);
+        prepared.half = Some(half.ok_or(RemeshError::SidesDiffer { axis })?);
+    }
     let mut best: Option<Remeshed> = None;
     let mut next = Some(Size::first(input.faces.len(), options));
     let mut attempts = Attempts::new();
@@ -183,6 +216,8 @@ struct Prepared {
     target: TriangleMesh,
     ground: TriangleMesh,
     connectivity: Connectivity,
+    /// Half of that, where the base mesh is to be symmetric.
+    half: Option<Half>,
 }
 
 /// Inputs of more faces are thinned before they are parameterised: what that takes away is far smaller than the faces
@@ -198,7 +233,7 @@ impl Prepared {
         progress: &dyn Fn(Phase, f32) -> bool,
     ) -> Result<Self, RemeshError> {
         if target.faces.len() <= LARGEST_GROUND {
-            return Ok(Self { ground: target.clone(), target, connectivity });
+            return Ok(Self { ground: target.clone(), target, connectivity, half: None });
         }
         let mut working = working_mesh(&target, &connectivity);
         if !target.sharp_edges.is_empty() {
@@ -209,7 +244,7 @@ impl Prepared {
         let ground = working.compact();
         let connectivity = Connectivity::build(ground.positions.len() as u32, ground.faces.clone())
             .expect("collapses keep a manifold");
-        Ok(Self { target, ground, connectivity })
+        Ok(Self { target, ground, connectivity, half: None })
     }
 }
 
@@ -246,27 +281,38 @@ fn attempt<'m>(
 ) -> Result<Made, RemeshError> {
     let check = |phase| if progress(phase, 0.0) { Ok(()) } else { Err(RemeshError::Cancelled) };
     let Size { base_faces: aim, levels } = size;
-    let Prepared { target: input, ground: mesh, connectivity } = prepared;
+    let Prepared { target: input, ground, connectivity, half } = prepared;
     check(Phase::Simplify)?;
+    let (whole, connectivity) = match half {
+        None => (ground, connectivity),
+        Some(half) => (&half.whole, &half.whole_connectivity),
+    };
     let most_corners = aim / FACES_PER_CORNER;
-    let creases = Creases::find(mesh, connectivity, sharp_angle, most_corners);
-    let mut working = working_mesh(mesh, connectivity).with_creases(creases.clone());
+    let creases = Creases::find(whole, connectivity, sharp_angle, most_corners);
+    let wanted = aim as f64 * f64::from(4u32.pow(levels.into()));
+    let mut density = Density::new(whole, connectivity, wanted, &creases);
+    let (mesh, connectivity, sides, mut working) = match half {
+        None => (whole, connectivity, 1, working_mesh(whole, connectivity).with_creases(creases.clone())),
+        Some(half) => {
+            density = density.of_first(half.mesh.positions.len());
+            let working = working_mesh(&half.mesh, &half.connectivity).with_seam(half.seam.clone());
+            (&half.mesh, &half.connectivity, 2, working.with_creases(half.creases(&creases)))
+        }
+    };
     let mut map = Parameterisation::new(mesh.faces.len() as u32);
     open_ears(&mut working, &mut map);
-    let wanted = aim as f64 * f64::from(4u32.pow(levels.into()));
-    let mut density = Density::new(mesh, connectivity, wanted, &creases);
     rayon::in_place_scope(|scope| {
         if target.is_none() {
             scope.spawn(|_| *target = Target::new(input));
         }
-        simplify(&mut working, &mut map, aim, &density, &|done| progress(Phase::Simplify, done))
+        simplify(&mut working, &mut map, aim / sides, &density, &|done| progress(Phase::Simplify, done))
     })?;
     open_ears(&mut working, &mut map);
     flip_edges(&mut working, &mut map);
 
     check(Phase::Resample)?;
     let domain = Domain::new(&working, &map)?;
-    let base_faces = domain.base.faces().len();
+    let base_faces = sides * domain.base.faces().len();
     if fewer_levels && let Some(size) = affordable(size, base_faces, input.faces.len()) {
         let how = How { fewer_levels: false, gently, sharp_angle };
         return attempt(prepared, target, size, how, progress);
@@ -283,15 +329,31 @@ fn attempt<'m>(
         NoLattice::TooFine => RemeshError::TooFine { base_faces, levels },
         NoLattice::Cancelled => RemeshError::Cancelled,
     })?;
-    let held = Held::new(&lattice, &domain, &places.at, mesh, &creases);
-    let Lattice { hierarchy, mut fitted, .. } = lattice;
-    fitted.held = held;
+    let sheets = places.points.iter().map(|point| ground.normal(point.face));
+    let mut laid = if half.is_some() {
+        let laid: Vec<(DVec3, DVec3)> = places.at.iter().copied().zip(sheets).collect();
+        let pinned: Vec<bool> = working.live_vertices().map(|v| creases.corners[v as usize]).collect();
+        mirrored(&lattice, &domain, &laid, &pinned).ok_or(RemeshError::TooFine { base_faces, levels })?
+    } else {
+        let (sheets, pinned) = (sheets.collect(), domain.pinned.clone());
+        let Lattice { hierarchy, fitted, .. } = lattice;
+        Laid { hierarchy, fitted, places: places.at, sheets, pinned }
+    };
     check(Phase::Fit)?;
-    let near = target.take().ok_or(RemeshError::Empty)?.sampled(fitted.pattern.faces().len());
+    let near = target.take().ok_or(RemeshError::Empty)?.sampled(laid.fitted.pattern.faces().len());
     let near = target.insert(near);
-    let fit = fit(near, &fitted, places.at.clone(), &FIT, &|done| progress(Phase::Fit, FITTED * done))?;
-    let sheets: Vec<DVec3> = places.points.iter().map(|point| ground.normal(point.face)).collect();
-    let mending = Mending { target: near, fitted: &fitted, sheets: &sheets, places: &places.at };
+    let (mut mesh, mut creases) = (whole, creases);
+    if half.is_some() {
+        let own = Creases::find(&prepared.ground, &prepared.connectivity, sharp_angle, most_corners);
+        if own.edges().next().is_some() {
+            (mesh, creases) = (&prepared.ground, own);
+        }
+        approach(near, &Features { mesh, creases: &creases }, &mut laid, &|| progress(Phase::Fit, 0.0))?;
+    }
+    let Laid { hierarchy, mut fitted, places, sheets, pinned } = laid;
+    fitted.held = Held::new(&hierarchy, &pinned, &places, mesh, &creases);
+    let fit = fit(near, &fitted, places.clone(), &FIT, &|done| progress(Phase::Fit, FITTED * done))?;
+    let mending = Mending { target: near, fitted: &fitted, sheets: &sheets, places: &places };
     let positions = mending.run(fit, &|done| progress(Phase::Fit, FITTED + (1.0 - FITTED) * done))?;
     Ok(Made { size, hierarchy, positions, faces: fitted.pattern.faces().to_vec() })
 }
@@ -302,11 +364,13 @@ const FIT: FitRules = FitRules { steps: 6, rough: 3, boost_from: 3, smoothing: 0
 /// What fitting takes of its phase; mending takes the rest.
 const FITTED: f32 = 0.8;
 
-/// Where the model lies; the work is done in a box of diagonal 1 around 0.
+/// Where the model lies; the work is done in a box of diagonal 1 around 0, or about where its mirror plane is x = 0.
 #[derive(Debug, Clone, Copy)]
 struct Frame {
     centre: DVec3,
     diagonal: f64,
+    /// Which axis of the model is x.
+    first: usize,
 }
 
 impl Frame {
@@ -314,16 +378,33 @@ impl Frame {
         let bounds = mesh.bounds()?;
         let (min, max) = (DVec3::from(bounds.min), DVec3::from(bounds.max));
         let diagonal = bounds.diagonal();
-        (diagonal > 0.0 && diagonal.is_finite()).then(|| Self { centre: min + (max - min) * 0.5, diagonal })
+        (diagonal > 0.0 && diagonal.is_finite()).then(|| Self {
+            centre: min + (max - min) * 0.5,
+            diagonal,
+            first: 0,
+        })
+    }
+
+    /// With the plane across an axis as x = 0; the others follow in turn, so nothing is turned inside out.
+    fn about(mut self, axis: Axis, plane: f64) -> Self {
+        self.first = axis.index();
+        self.centre[self.first] = plane;
+        self
     }
 
     fn into_unit(self, mesh: &TriangleMesh) -> TriangleMesh {
-        let unit = |&p: &[f64; 3]| ((DVec3::from(p) - self.centre) / self.diagonal).to_array();
+        let unit = |&p: &[f64; 3]| {
+            let mut unit = ((DVec3::from(p) - self.centre) / self.diagonal).to_array();
+            unit.rotate_left(self.first);
+            unit
+        };
         TriangleMesh { positions: mesh.positions.iter().map(unit).collect(), ..mesh.clone() }
     }
 
     fn to_model(self, p: DVec3) -> [f64; 3] {
-        (p * self.diagonal + self.centre).to_array()
+        let mut turned = p.to_array();
+        turned.rotate_right(self.first);
+        (DVec3::from(turned) * self.diagonal + self.centre).to_array()
     }
 }
 

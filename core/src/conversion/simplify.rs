@@ -134,7 +134,7 @@ pub(super) fn simplify(
             else {
                 continue;
             };
-            costs.join(kept, gone);
+            costs.join(mesh, kept, gone);
             stamps[kept as usize] += 1;
             stamps[gone as usize] += 1;
             mesh.neighbours(kept, &mut neighbours);

@@ -52,7 +52,7 @@ pub(super) fn thin(
             }
             if let Attempt::Done { kept, gone } = collapser.collapse(mesh, None, &costs.quadrics, ends, rules)
             {
-                costs.join(kept, gone);
+                costs.join(mesh, kept, gone);
             }
         }
         if ((before - mesh.live_count()) as f64) < WORTHWHILE * excess as f64 {

@@ -17,6 +17,8 @@ pub(super) struct WorkingMesh {
     live: Vec<bool>,
     stars: Vec<Vec<u32>>,
     boundary: Vec<bool>,
+    /// Vertices of the seam of half a mesh: an edge between two of them is part of it.
+    seam: Vec<bool>,
     creases: Creases,
     live_count: usize,
 }
@@ -35,6 +37,7 @@ impl WorkingMesh {
         let creases =
             Creases { ends: vec![Vec::new(); positions.len()], corners: vec![false; positions.len()] };
         Self {
+            seam: vec![false; positions.len()],
             positions,
             live: vec![true; faces.len()],
             live_count: faces.len(),
@@ -48,6 +51,11 @@ impl WorkingMesh {
     /// The same mesh with sharp edges and corners.
     pub(super) fn with_creases(self, creases: Creases) -> Self {
         Self { creases, ..self }
+    }
+
+    /// The same mesh as half of one that is mirrored in the plane x = 0, where these vertices lie.
+    pub(super) fn with_seam(self, seam: Vec<bool>) -> Self {
+        Self { seam, ..self }
     }
 
     /// The live faces with their vertices numbered anew, in the same order, and the sharp edges.
@@ -79,6 +87,11 @@ impl WorkingMesh {
         (0..self.faces.len() as u32).filter(|&f| self.live[f as usize])
     }
 
+    /// The vertices of live faces, ascending.
+    pub(super) fn live_vertices(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.stars.len() as u32).filter(|&v| !self.stars[v as usize].is_empty())
+    }
+
     /// The corners of a face, live or not.
     pub(super) fn face(&self, face: u32) -> [u32; 3] {
         self.faces[face as usize]
@@ -92,6 +105,16 @@ impl WorkingMesh {
     /// Whether the vertex lies on the boundary.
     pub(super) fn is_boundary(&self, vertex: u32) -> bool {
         self.boundary[vertex as usize]
+    }
+
+    /// Whether the vertex lies on the seam of half a mesh, which is part of its boundary.
+    pub(super) fn is_seam(&self, vertex: u32) -> bool {
+        self.seam[vertex as usize]
+    }
+
+    /// Whether the vertex lies on the seam and on no other curve.
+    pub(super) fn is_only_seam(&self, vertex: u32) -> bool {
+        self.is_seam(vertex) && self.crease_ends(vertex).is_empty() && !self.is_corner(vertex)
     }
 
     /// Whether the vertex lies on the boundary or on a sharp edge.
@@ -166,9 +189,24 @@ impl WorkingMesh {
         self.face(face).map(|v| self.positions[v as usize])
     }
 
-    /// The number of neighbouring vertices.
+    /// The number of neighbouring vertices, in the whole mesh for one on the seam of half a mesh.
     pub(super) fn valence(&self, vertex: u32) -> usize {
-        self.star(vertex).len() + usize::from(self.is_boundary(vertex))
+        self.valence_with(vertex, self.star(vertex).len())
+    }
+
+    /// The valence that a vertex would have with so many faces.
+    pub(super) fn valence_with(&self, vertex: u32, faces: usize) -> usize {
+        match (self.is_boundary(vertex), self.is_seam(vertex)) {
+            (false, _) => faces,
+            (true, false) => faces + 1,
+            // In a corner between seam and boundary there is one neighbour more.
+            (true, true) => 2 * faces + usize::from(self.ends_seam(vertex)),
+        }
+    }
+
+    /// Whether the boundary leaves the seam at a vertex of it.
+    fn ends_seam(&self, vertex: u32) -> bool {
+        self.is_corner(vertex) && self.along_boundary(vertex).iter().any(|&w| !self.is_seam(w))
     }
 
     /// The vertices joined to `vertex` by an edge, each once, ascending.
@@ -200,8 +238,14 @@ impl WorkingMesh {
     /// plane, near 1 at the tip of a horn.
     pub(super) fn pointedness(&self, vertex: u32, neighbours: &[u32]) -> f64 {
         let here = self.positions[vertex as usize];
-        let ways = neighbours.iter().map(|&w| (self.positions[w as usize] - here).normalize_or_zero());
-        ways.sum::<DVec3>().length() / neighbours.len().max(1) as f64
+        let way = |&w: &u32| (self.positions[w as usize] - here).normalize_or_zero();
+        if self.is_seam(vertex) {
+            // With the mirror images, what is across the plane cancels out.
+            let (on, off): (Vec<u32>, Vec<u32>) = neighbours.iter().partition(|&&w| self.is_seam(w));
+            let sum = on.iter().map(way).sum::<DVec3>() + off.iter().map(way).sum::<DVec3>() * 2.0;
+            return sum.with_x(0.0).length() / (on.len() + 2 * off.len()).max(1) as f64;
+        }
+        neighbours.iter().map(way).sum::<DVec3>().length() / neighbours.len().max(1) as f64
     }
 
     /// The live faces at an edge: the one that runs from `a` to `b`, and the one that runs back.

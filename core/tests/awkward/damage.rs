@@ -25,6 +25,7 @@ pub(crate) fn case(seed: u64) -> (TriangleMesh, ConversionOptions) {
         base_faces: (numbers.below(3) == 0).then(|| 4 + numbers.below(300) as usize),
         tolerance: None,
         sharp_angle: None,
+        symmetric: None,
     };
     (mesh, options)
 }

@@ -6,7 +6,7 @@ use crate::editor::command::Command;
 use crate::editor::dialog::Dialog;
 use crate::editor::theme;
 use crate::editor::worker::Work;
-use bozzetto_core::conversion::Remesh;
+use bozzetto_core::conversion::{Axis, Remesh};
 use bozzetto_core::surface::{PRECISIONS, UpAxis};
 use bozzetto_core::wavelet::Wavelet;
 use egui::{Role, Ui, WidgetInfo};
@@ -133,6 +133,29 @@ fn sizes(ui: &mut Ui, now: &mut ImportChoices) {
             ui.add(egui::DragValue::new(angle).range(1.0..=180.0).speed(0.2).prefix("above ").suffix("°"))
         },
     );
+    symmetry(ui, &mut now.symmetric);
+}
+
+/// Whether the base mesh is to be its own mirror image, and along which axis.
+fn symmetry(ui: &mut Ui, symmetric: &mut Option<Axis>) {
+    ui.label("symmetry");
+    ui.horizontal(|ui| {
+        for axis in std::iter::once(None).chain(Axis::ALL.map(Some)) {
+            let (name, tip) = match axis {
+                None => ("none".to_owned(), "The base mesh follows the mesh alone".to_owned()),
+                Some(axis) => (
+                    axis.to_string(),
+                    format!("Mirrors the base mesh along {axis}, for a mesh whose sides are nearly alike"),
+                ),
+            };
+            let response = ui.selectable_value(symmetric, axis, name.as_str()).on_hover_text(tip);
+            let selected = *symmetric == axis;
+            response.widget_info(|| {
+                WidgetInfo::selected(Role::RadioButton, true, selected, format!("Symmetry {name}"))
+            });
+        }
+    });
+    ui.end_row();
 }
 
 /// What the surface is made of, and how it stands.
