@@ -3,7 +3,7 @@
 use super::domain::{Domain, sorted};
 use super::fitted::Fitted;
 use super::lattice::Lattice;
-use crate::hierarchy::{BaseMesh, Hierarchy, Slot};
+use crate::hierarchy::{BaseMesh, Hierarchy, NotABaseMesh, Slot};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
@@ -21,14 +21,17 @@ pub(super) struct Laid {
 }
 
 /// The lattice over a half and its mirror image in the plane x = 0. `pinned` are those of the half's base vertices that keep
-/// their places in the whole. `None` if it has too many vertices. Base vertices off the seam are numbered on in the half's
+/// their places in the whole. `Ok(None)` if it has too many vertices. Base vertices off the seam are numbered on in the half's
 /// order; base faces and marks are their own mirror image, and so are the places, to the last bit.
+///
+/// # Errors
+/// An edge of the half bridges the seam, which simplification prevents.
 pub(super) fn mirrored(
     half: &Lattice,
     domain: &Domain,
     laid: &[(DVec3, DVec3)],
     pinned: &[bool],
-) -> Option<Laid> {
+) -> Result<Option<Laid>, NotABaseMesh> {
     let base = half.hierarchy.base();
     let count = base.vertex_count();
     let off_seam = (0..count).filter(|&v| !domain.seam[v as usize]);
@@ -39,10 +42,8 @@ pub(super) fn mirrored(
     let faces = base.faces().iter().flat_map(|&[a, b, c]| [[a, b, c], [a, c, b].map(|v| image[v as usize])]);
     let sharp: Vec<[u32; 2]> =
         base.sharp_edges().iter().flat_map(|&ends| [ends, ends.map(|v| image[v as usize])]).collect();
-    let whole = BaseMesh::new(of_half.len() as u32, faces.collect(), &sharp)
-        .expect("no two faces of the half have their corners on the seam");
-
-    let hierarchy = Hierarchy::new(Arc::new(whole), half.hierarchy.finest())?;
+    let whole = BaseMesh::new(of_half.len() as u32, faces.collect(), &sharp)?;
+    let Some(hierarchy) = Hierarchy::new(Arc::new(whole), half.hierarchy.finest()) else { return Ok(None) };
     let (whole, layout) = (hierarchy.base(), hierarchy.layout(hierarchy.finest()));
     let by_corners: FxHashMap<[u32; 3], u32> =
         base.faces().iter().zip(0..).map(|(&face, f)| (sorted(face), f)).collect();
@@ -59,7 +60,7 @@ pub(super) fn mirrored(
     let (places, sheets): (Vec<DVec3>, Vec<DVec3>) = (0..layout.len()).map(of_slot).unzip();
     let fitted = Fitted::new(places.len(), &hierarchy.triangles(hierarchy.finest()));
     let pinned = of_half.iter().map(|&v| pinned[v as usize]).collect();
-    Some(Laid { hierarchy, fitted, places, sheets, pinned })
+    Ok(Some(Laid { hierarchy, fitted, places, sheets, pinned }))
 }
 
 fn mirror(p: DVec3) -> DVec3 {

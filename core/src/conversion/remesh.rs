@@ -333,7 +333,7 @@ fn attempt<'m>(
     let mut laid = if half.is_some() {
         let laid: Vec<(DVec3, DVec3)> = places.at.iter().copied().zip(sheets).collect();
         let pinned: Vec<bool> = working.live_vertices().map(|v| creases.corners[v as usize]).collect();
-        mirrored(&lattice, &domain, &laid, &pinned).ok_or(RemeshError::TooFine { base_faces, levels })?
+        mirrored(&lattice, &domain, &laid, &pinned)?.ok_or(RemeshError::TooFine { base_faces, levels })?
     } else {
         let (sheets, pinned) = (sheets.collect(), domain.pinned.clone());
         let Lattice { hierarchy, fitted, .. } = lattice;
