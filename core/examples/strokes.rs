@@ -166,7 +166,9 @@ fn handles(session: &mut Session) {
         mirror: None,
         v: 1,
     };
-    for preview in [None, Some(Level(finest.0 - 1)), Some(Level(finest.0 - 2))] {
+    // The window goes to coarser levels until a step takes no more than 8 ms.
+    for coarser in 0..5 {
+        let preview = (coarser > 0).then(|| Level(finest.0.saturating_sub(coarser)));
         session.begin_stroke(raw).expect("it exists");
         handle(session, "handle of level 0, raw", preview);
         session.begin_pull(pull).expect("it exists");
