@@ -193,7 +193,7 @@ impl Surface {
         Some((slot, minus(new, old)))
     }
 
-    fn store_wavelet(&mut self, level: Level, odd: Odd, new: Vector, changes: &mut Changes) {
+    pub(super) fn store_wavelet(&mut self, level: Level, odd: Odd, new: Vector, changes: &mut Changes) {
         let id = self.wavelet_id(level, odd);
         let old = std::mem::replace(&mut self.wavelets[level.index()][odd.index()], new);
         changes.beyond_limit |= !new.iter().all(|&x| within_limit(x));

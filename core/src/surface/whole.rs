@@ -30,15 +30,15 @@ impl Surface {
             }
             return changes;
         }
+        let mut changes = Changes::nothing(self);
         for (level, of_level) in deltas {
-            let details = &mut self.wavelets[level.index()];
-            of_level
-                .iter()
-                .for_each(|&(odd, delta)| details[odd.index()] = plus(details[odd.index()], delta));
+            for &(odd, delta) in of_level {
+                let new = plus(self.wavelets[level.index()][odd.index()], delta);
+                self.store_wavelet(*level, odd, new, &mut changes);
+            }
         }
         let coarsest = deltas.iter().map(|&(level, _)| level).min().expect("something changes");
-        let changes = self.synthesise_from(coarsest, reach);
-        self.resum();
+        changes.join(self.resynthesise(coarsest, reach));
         changes
     }
 
@@ -54,8 +54,13 @@ impl Surface {
     /// Synthesises the levels above `level` up to `reach`, whole, from what the coefficients are now. `O(n_reach)`. The hash is
     /// that of before until [`Surface::resum`].
     pub(crate) fn synthesise_from(&mut self, level: Level, reach: Level) -> Changes {
+        let mut changes = self.resynthesise(level, reach);
+        changes.beyond_limit |= !within(&self.wavelets[level.index()..]);
+        changes
+    }
+
+    fn resynthesise(&mut self, level: Level, reach: Level) -> Changes {
         let mut changes = Changes::nothing(self);
-        changes.beyond_limit = !within(&self.wavelets[level.index()..]);
         for j in level.0..reach.0 {
             let (scaling, wavelets) = (&self.scaling[usize::from(j)], &self.wavelets[usize::from(j)]);
             self.scaling[usize::from(j) + 1] =
