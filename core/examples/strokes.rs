@@ -135,23 +135,38 @@ fn strokes(session: &mut Session, seconds: f64) {
 /// Steps of a drag: a handle of the base mesh that follows takes seconds each where nothing is previewed.
 const STEPS: u32 = 9;
 
-fn handle(session: &mut Session, name: &str, preview: Option<Level>) {
+/// Up to where a drag goes.
+#[derive(Debug, Clone, Copy)]
+enum Reach {
+    Whole,
+    /// As the window does.
+    Affordable,
+    Coarser(u8),
+}
+
+fn handle(session: &mut Session, name: &str, reach: Reach) {
     let mut steps = Vec::new();
-    if let Some(level) = preview {
-        session.preview_stroke(level);
-    }
+    let finest = session.surface().finest();
+    let affordable = session.affordable_reach().expect("a drag is under way");
+    let (level, shown) = match reach {
+        Reach::Whole => (finest, "whole".to_owned()),
+        Reach::Affordable => (affordable, format!("on level {affordable}, as in the window   goal: 16 ms")),
+        Reach::Coarser(by) => {
+            let level = Level(finest.0.saturating_sub(by));
+            (level, format!("preview on level {level}"))
+        }
+    };
+    session.preview_stroke(level);
     for step in 1..=STEPS {
         let delta = [0.01 * f64::from(step), 0.0, 0.0];
         timed(&mut steps, || session.drag_to(delta).expect("in range"));
     }
     session.cancel_stroke();
-    let shown = preview.map_or("whole".to_owned(), |level| format!("preview on level {level}"));
     report(name, &steps, &shown);
 }
 
-/// The steps of handles of level 0, whole and previewed on coarser levels.
+/// The steps of handles of level 0: whole, as far as the window lets them go, and previewed on coarser levels.
 fn handles(session: &mut Session) {
-    let finest = session.surface().finest();
     let raw =
         Move { kind: Kind::Scaling, level: 0, vertex: 2, delta: [0.0; 3], radius: None, falloff: None, v: 1 };
     let pull = Pull {
@@ -166,15 +181,13 @@ fn handles(session: &mut Session) {
         mirror: None,
         v: 1,
     };
-    // The window goes to coarser levels until a step takes no more than 8 ms.
-    for coarser in 0..5 {
-        let preview = (coarser > 0).then(|| Level(finest.0.saturating_sub(coarser)));
+    for reach in [Reach::Whole, Reach::Affordable].into_iter().chain((1..5).map(Reach::Coarser)) {
         session.begin_stroke(raw).expect("it exists");
-        handle(session, "handle of level 0, raw", preview);
+        handle(session, "handle of level 0, raw", reach);
         session.begin_pull(pull).expect("it exists");
-        handle(session, "handle of level 0, smooth", preview);
+        handle(session, "handle of level 0, smooth", reach);
         session.begin_pull(Pull { follow: true, ..pull }).expect("it exists");
-        handle(session, "handle of level 0, smooth + follow", preview);
+        handle(session, "handle of level 0, smooth + follow", reach);
     }
 }
 

@@ -3,10 +3,14 @@
 mod window;
 
 use bozzetto::editor::{Editor, Hand, RecordedPen, Start};
+use bozzetto_core::conversion::{ConversionOptions, convert};
 use bozzetto_core::disk::Disk;
 use bozzetto_core::edit::{Edit, Stroke, Tool};
+use bozzetto_core::file::{Metadata, Model};
 use bozzetto_core::hierarchy::Level;
+use bozzetto_core::mesh::shapes;
 use bozzetto_core::session::{OpenOptions, Session, open_model};
+use bozzetto_core::surface::{FormOptions, Surface};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -330,6 +334,44 @@ fn grab_and_smooth_handles_are_pulls_with_detail_that_follows() {
     drop(harness);
     let (model, _) = open_model(&Disk, &path, OpenOptions::default()).expect("a sound pair");
     assert_eq!(Session::new(Arc::new(Disk), model).hash(), after);
+}
+
+/// A surface of 65538 vertices, without a file.
+fn large() -> Session {
+    let mesh = shapes::subdivide(&shapes::octahedron(), 7);
+    let converted = convert(&mesh, &ConversionOptions::default()).expect("subdivided");
+    let surface = Surface::from_positions(converted.hierarchy, &converted.positions, &FormOptions::default());
+    Session::new(Arc::new(Disk), Model::new(surface.expect("small"), None, Metadata::default()))
+}
+
+/// The status bar says which level is seen while a drag moves more than can follow the hand.
+#[test]
+fn a_large_drag_shows_a_coarser_level_and_says_so() {
+    if !can_draw() {
+        return;
+    }
+    let mut harness = editor(Start::Session(Box::new(large())));
+    harness.get_by_label("Edit level 0").click();
+    harness.run();
+    harness.key_press(Key::G);
+    harness.run();
+    let before = hash(&harness);
+    let finest = harness.state().document().expect("open").surface().finest();
+    let says = "shown until you let go";
+    assert!(harness.query_by_label_contains(says).is_none());
+    let to = middle(&harness) + egui::vec2(60.0, 30.0);
+    let from = middle(&harness);
+    drag(&mut harness, from, to, Modifiers::NONE);
+    let preview = harness.state().document().expect("open").preview().expect("a large drag is previewed");
+    assert!(preview < finest, "level {preview}");
+    assert!(harness.query_by_label_contains(&format!("at level {preview}, {says}")).is_some());
+    release(&mut harness, to);
+    assert_eq!(harness.state().document().expect("open").preview(), None);
+    assert!(harness.query_by_label_contains(says).is_none());
+    assert_ne!(hash(&harness), before);
+    let mut fresh = large();
+    fresh.edit(last(&harness)).expect("it was accepted before");
+    assert_eq!(hash(&harness), fresh.hash());
 }
 
 #[test]

@@ -81,6 +81,21 @@ impl Document {
         }
     }
 
+    /// Lets the drag that has begun go on with what can follow the hand: where that is coarser than what is shown, as a
+    /// preview. Whether there is one.
+    pub fn preview_if_large(&mut self) -> bool {
+        let Some(reach) = self.session.affordable_reach() else { return false };
+        if reach < self.vertices.level() {
+            self.begin_preview(reach);
+            return true;
+        }
+        if reach < self.surface().finest() {
+            // Nothing has moved yet, and what waits is not shown.
+            self.session.preview_stroke(reach);
+        }
+        false
+    }
+
     /// Moves the stroke under way, with the shown level where it is coarser than what is dragged.
     ///
     /// # Errors

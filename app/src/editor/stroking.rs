@@ -10,10 +10,7 @@ use bozzetto_core::hierarchy::Level;
 use bozzetto_core::session::SessionError;
 use bozzetto_core::surface::Changes;
 use glam::DVec3;
-use std::time::{Duration, Instant};
 
-/// A step of a drag that takes longer than this shows a coarser level.
-const LONGEST_STEP: Duration = Duration::from_millis(8);
 /// Radii of brushes as a fraction of the model's.
 const RADII: std::ops::RangeInclusive<f64> = 0.002..=2.0;
 
@@ -38,9 +35,9 @@ impl Editor {
     /// Carries out a command of a tool's stroke.
     pub(super) fn stroke(&mut self, command: Command) {
         let Some(document) = &mut self.document else { return };
-        let begun = Instant::now();
         let middle = document.surface().form().placement.origin;
         let mirror = self.settings.mirror(middle);
+        let begins = matches!(command, Command::BeginStroke { .. } | Command::BeginGrab(_));
         let result = match command {
             Command::BeginStroke { kind, level, vertex } => {
                 if let Some(target) = document.target(kind, Level(level), vertex) {
@@ -122,7 +119,9 @@ impl Editor {
             Ok(changes) => self.follow(&changes),
             Err(error) => self.fail(error.to_string()),
         }
-        self.coarsen_if_slow(begun.elapsed());
+        if begins {
+            self.preview_if_large();
+        }
     }
 
     fn pull(&self, level: u8, radius: Option<f64>, falloff: Option<Falloff>) -> Pull {
@@ -154,20 +153,9 @@ impl Editor {
         Ok(Changes::default())
     }
 
-    /// A drag whose step took too long goes on at a coarser level: each costs a quarter of the next.
-    fn coarsen_if_slow(&mut self, step: Duration) {
-        let Some(document) = &mut self.document else { return };
-        // Brushes read the finest level, so they have no preview.
-        let Some(home) = document.session.stroke_home() else { return };
-        if step <= LONGEST_STEP {
-            return;
-        }
-        let shown = document.vertices().level();
-        let too_slow = step.as_secs_f64() / LONGEST_STEP.as_secs_f64();
-        let drop = (too_slow.log2() / 2.0).ceil().max(1.0) as u8;
-        let preview = Level(shown.0.saturating_sub(drop)).max(home);
-        if preview < shown {
-            document.begin_preview(preview);
+    /// A drag of more than can follow the hand goes on at a coarser level. Brushes have none: they read the finest.
+    fn preview_if_large(&mut self) {
+        if self.document.as_mut().is_some_and(|document| document.preview_if_large()) {
             self.scenery.replace_surface();
         }
     }

@@ -1,5 +1,7 @@
 //! A drag under way: the surface follows the hand live, one line is logged at the end, and Esc restores every bit.
 
+mod cost;
+
 use super::{Session, SessionError};
 use crate::edit::{
     Edit, EditError, Follow, Kind, Move, Pull, Pulled, Region, Step, Turned, added, trial_of, weighted_steps,
@@ -230,6 +232,13 @@ impl Session {
     /// The coarsest level whose vertices the stroke moves by itself.
     pub fn stroke_home(&self) -> Option<Level> {
         self.stroke.as_ref().map(|stroke| stroke.home)
+    }
+
+    /// The finest level that can follow the stroke under way as fast as the hand: a step moves no more vertices than
+    /// 2^18, or 2^14 where detail follows too. Not coarser than [`Session::stroke_home`], however many that moves. The
+    /// same stroke on the same hierarchy has the same answer everywhere. For [`Session::preview_stroke`].
+    pub fn affordable_reach(&self) -> Option<Level> {
+        self.stroke.as_ref().map(|stroke| stroke.affordable(&self.model.surface))
     }
 
     /// Lets only the levels up to `reach` follow the hand until the stroke ends, for surfaces too large to follow whole.

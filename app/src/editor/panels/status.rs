@@ -21,10 +21,13 @@ pub(crate) fn status(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if let Some(document) = seen.document.filter(|_| seen.preview.is_none()) {
                 let hierarchy = document.surface().hierarchy();
-                let shown = seen.settings.shown;
+                let (shown, until) = match document.preview() {
+                    Some(level) => (level, ", shown until you let go"),
+                    None => (seen.settings.shown, ""),
+                };
                 let vertices = grouped(u64::from(hierarchy.layout(shown).len()));
                 let faces = grouped(hierarchy.face_count(shown));
-                ui.label(format!("{vertices} vertices, {faces} faces at level {shown}"));
+                ui.label(format!("{vertices} vertices, {faces} faces at level {shown}{until}"));
                 let mark = if document.session.is_unsaved() { " •" } else { "" };
                 ui.colored_label(theme::FAINT, format!("{}{mark}", document.name()));
             }

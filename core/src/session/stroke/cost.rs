@@ -1,0 +1,147 @@
+//! What a step of a drag costs, told from how many vertices it moves, and so how fine a level can follow the hand.
+
+use super::Stroke;
+use crate::edit::Region;
+use crate::hierarchy::Level;
+use crate::surface::Surface;
+
+/// Vertices that a step may move: some 4 ms on one core.
+const MOST_MOVED: u64 = 1 << 18;
+/// Vertices that a step may move where detail is turned back and anew: some 10 ms on one core.
+const MOST_FOLLOWED: u64 = 1 << 14;
+
+impl Stroke {
+    /// The finest level up to which a step moves no more vertices than a step may; at least the stroke's home.
+    pub(super) fn affordable(&self, surface: &Surface) -> Level {
+        let most = if self.follow.is_some() { MOST_FOLLOWED } else { MOST_MOVED };
+        (self.home.0..=surface.finest().0)
+            .rev()
+            .map(Level)
+            .find(|&level| self.moved_at(surface, level) <= most)
+            .unwrap_or(self.home)
+    }
+
+    /// About how many vertices of a level move with the stroke. Exact for hexagons of a regular mesh: `n` hats
+    /// together reach `n + 2 √n` times four to the levels between; `n` wavelets lie within discs of radius `√n / 3` of
+    /// even vertices, and move those up to `k + 1` edges farther.
+    fn moved_at(&self, surface: &Surface, level: Level) -> u64 {
+        let at_home = match &self.region {
+            Region::Wavelets(_, region) => {
+                let rings = surface.form().wavelet.disc_radius().map_or(1, |k| u64::from(k) + 1);
+                let across = (region.len() as u64).isqrt() + 1 + 3 * rings;
+                4 * across * across / 3
+            }
+            _ => {
+                let hats = self.weights.len() as u64;
+                hats + 2 * hats.isqrt()
+            }
+        };
+        let finer = u32::from(level.0 - self.home.0);
+        let all = u64::from(surface.hierarchy().layout(level).len());
+        at_home.saturating_mul(4_u64.saturating_pow(finer)).min(all)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::Session;
+    use super::*;
+    use crate::disk::Disk;
+    use crate::edit::{Kind, Move, Pull, Spread};
+    use crate::file::{Metadata, Model};
+    use crate::hierarchy::{BaseMesh, Hierarchy};
+    use crate::mesh::shapes;
+    use crate::surface::{Changes, FormOptions, Moved};
+    use std::sync::Arc;
+
+    fn bumpy_octahedron(levels: u8) -> Session {
+        let mesh = shapes::octahedron();
+        let base = Arc::new(BaseMesh::new(6, mesh.faces.clone(), &[]).expect("a base mesh"));
+        let hierarchy = Hierarchy::new(base, Level(levels)).expect("fits");
+        let layout = hierarchy.layout(Level(levels));
+        let places: Vec<[f64; 3]> = (0..layout.len())
+            .map(|slot| {
+                let (face, b) = layout.chart(layout.site(crate::hierarchy::Slot(slot)));
+                let corners = hierarchy.base().faces()[face as usize].map(|v| mesh.positions[v as usize]);
+                let raised = 1.0 + 0.002 * (f64::from(slot * 37 % 19) - 9.0);
+                std::array::from_fn(|c| (0..3).map(|k| f64::from(b[k]) * corners[k][c]).sum::<f64>() * raised)
+            })
+            .collect();
+        let surface = Surface::from_positions(hierarchy, &places, &FormOptions::default()).expect("small");
+        Session::new(Arc::new(Disk), Model::new(surface, None, Metadata::default()))
+    }
+
+    fn moved(changes: &Changes, level: Level) -> u64 {
+        match changes.at(level) {
+            Moved::Nothing => 0,
+            Moved::Some(runs) => runs.len() as u64,
+            Moved::Everything => panic!("a drag moves a part"),
+        }
+    }
+
+    /// What is told before a drag is what moves, or within a factor of three of it, on every level from the home on.
+    #[test]
+    fn what_moves_is_told_before() {
+        let mut session = bumpy_octahedron(6);
+        for kind in [Kind::Scaling, Kind::Wavelet] {
+            for (level, radius) in [(0, None), (2, None), (2, Some(0.6)), (3, None), (3, Some(0.4))] {
+                let vertex = session.surface().hierarchy().layout(Level(level)).len()
+                    * u32::from(kind == Kind::Wavelet)
+                    + 3;
+                let edit = Move { kind, level, vertex, delta: [0.0; 3], radius, falloff: None, v: 1 };
+                session.begin_stroke(edit).expect("it exists");
+                let changes = session.drag_to([0.3, 0.2, 0.1]).expect("in range");
+                let surface = session.surface();
+                let stroke = session.stroke.as_ref().expect("it began");
+                for j in (stroke.home.0..=surface.finest().0).map(Level) {
+                    let told = stroke.moved_at(surface, j);
+                    let moved = moved(&changes, j);
+                    assert!(
+                        moved <= 3 * told && told <= 3 * moved + 8,
+                        "{kind} of level {level}, {radius:?}: {moved} vertices of level {j} move, {told} told"
+                    );
+                }
+                session.cancel_stroke();
+            }
+        }
+    }
+
+    /// A drag on a coarser level stands where it should, and its end leaves the bits of the drag made whole.
+    #[test]
+    fn a_large_drag_is_made_on_a_coarser_level_and_ends_on_all() {
+        let pull = Pull {
+            level: 0,
+            vertex: Some(2),
+            at: None,
+            delta: [0.0; 3],
+            radius: None,
+            falloff: None,
+            spread: Spread::Smooth,
+            follow: true,
+            mirror: None,
+            v: 1,
+        };
+        let mut session = bumpy_octahedron(7);
+        session.begin_pull(pull).expect("it exists");
+        let finest = session.surface().finest();
+        let reach = session.affordable_reach().expect("a stroke is under way");
+        assert!(reach < finest, "{reach} of {finest}: the surface is large");
+        session.preview_stroke(reach);
+        let changes = session.drag_to([0.2, 0.1, 0.0]).expect("in range");
+        assert_ne!(*changes.at(reach), Moved::Nothing);
+        assert_eq!(*changes.at(finest), Moved::Nothing, "the finest level waits");
+        session.end_stroke();
+        let mut whole = bumpy_octahedron(7);
+        whole.begin_pull(pull).expect("it exists");
+        whole.drag_to([0.2, 0.1, 0.0]).expect("in range");
+        whole.end_stroke();
+        assert_eq!(session.hash(), whole.hash());
+        assert_ne!(session.hash(), session.original_hash());
+
+        // Without detail that follows the same surface is small, and a small one follows whole.
+        session.begin_pull(Pull { follow: false, ..pull }).expect("it exists");
+        assert_eq!(session.affordable_reach(), Some(finest));
+        session.end_stroke();
+        assert_eq!(session.affordable_reach(), None, "no stroke is under way");
+    }
+}
