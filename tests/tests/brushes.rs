@@ -336,6 +336,42 @@ fn grab_and_smooth_handles_are_pulls_with_detail_that_follows() {
     assert_eq!(Session::new(Arc::new(Disk), model).hash(), after);
 }
 
+/// A brush within one triangle of its level still moves what it touches, and that is seen.
+#[test]
+fn a_brush_smaller_than_the_levels_triangles_moves_what_it_touches() {
+    if !can_draw() {
+        return;
+    }
+    let mut harness = editor(Start::sample().expect("the sample opens"));
+    take(&mut harness, "Draw");
+    harness.get_by_label("Edit level 0").click();
+    harness.run();
+    for _ in 0..8 {
+        harness.key_press(Key::OpenBracket);
+        harness.run();
+    }
+    let vertices = harness.state().document().expect("open").surface().scaling(Level::BASE).len();
+    let spacing = (4.0 * std::f64::consts::PI / vertices as f64).sqrt();
+    let radius = harness.state().settings().brush_radius;
+    assert!(radius < 0.5 * spacing, "{radius} of the model's radius, triangles of {spacing}");
+    harness.remove_cursor();
+    harness.run();
+    let plain = harness.render().expect("a picture");
+    let before = hash(&harness);
+    stroke(&mut harness, Modifiers::NONE);
+    harness.remove_cursor();
+    harness.run();
+    assert_eq!(last_stroke(&harness).level, 0);
+    assert_ne!(hash(&harness), before);
+    let picture = harness.state().picture();
+    let after = harness.render().expect("a picture");
+    let inside = |x: u32, y: u32| picture.contains(egui::pos2(x as f32, y as f32));
+    let differing =
+        after.enumerate_pixels().filter(|(x, y, p)| inside(*x, *y) && plain.get_pixel(*x, *y) != *p).count();
+    assert!(differing >= 200, "{differing} pixels");
+    assert_replays(&harness);
+}
+
 /// A surface of 65538 vertices, without a file.
 fn large() -> Session {
     let mesh = shapes::subdivide(&shapes::octahedron(), 7);
