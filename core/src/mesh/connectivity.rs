@@ -5,6 +5,7 @@
 //! It does **not** prove that the list is a simplicial complex: two faces may have the same three corners.
 
 use rayon::prelude::*;
+use std::collections::VecDeque;
 use thiserror::Error;
 
 /// Stands for "no half-edge": the other side of a boundary edge.
@@ -278,14 +279,15 @@ fn orient(faces: &mut [[u32; 3]], pairs: &[u32]) -> Result<Components, NotManifo
     let mut component = vec![UNSEEN; faces.len()];
     let mut flipped = vec![false; faces.len()];
     let mut components = 0;
-    let mut stack = Vec::new();
+    // First in, first out: the rim of a disc, where last in, first out would hold most of the mesh.
+    let mut waiting = VecDeque::new();
     for seed in 0..faces.len() as u32 {
         if component[seed as usize] != UNSEEN {
             continue;
         }
         component[seed as usize] = components;
-        stack.push(seed);
-        while let Some(face) = stack.pop() {
+        waiting.push_back(seed);
+        while let Some(face) = waiting.pop_front() {
             for h in 3 * face..3 * face + 3 {
                 let other = pairs[h as usize];
                 if other == NONE {
@@ -297,7 +299,7 @@ fn orient(faces: &mut [[u32; 3]], pairs: &[u32]) -> Result<Components, NotManifo
                 if component[neighbour as usize] == UNSEEN {
                     component[neighbour as usize] = components;
                     flipped[neighbour as usize] = wanted;
-                    stack.push(neighbour);
+                    waiting.push_back(neighbour);
                 } else if flipped[neighbour as usize] != wanted {
                     let (a, b) = ends(h);
                     return Err(NotManifold::NotOrientable { a, b });
