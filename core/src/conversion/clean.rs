@@ -101,7 +101,7 @@ pub struct Cleaned {
     /// Positions of the vertices, all of them used.
     pub positions: Vec<[f64; 3]>,
     /// The faces, oriented, and their neighbours.
-    pub connectivity: Connectivity,
+    pub connectivity: Connectivity<'static>,
     /// The edges that are marked as sharp.
     pub sharp_edges: Vec<[u32; 2]>,
     /// What was repaired.

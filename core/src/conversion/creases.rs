@@ -245,7 +245,7 @@ fn marked_inside(mesh: &TriangleMesh, connectivity: &Connectivity) -> Vec<[u32; 
 }
 
 /// Every edge inside once, as a half-edge.
-fn inner_edges(connectivity: &Connectivity) -> impl Iterator<Item = u32> + '_ {
+fn inner_edges<'c>(connectivity: &'c Connectivity<'c>) -> impl Iterator<Item = u32> + 'c {
     (0..3 * connectivity.faces().len() as u32)
         .filter(|&h| connectivity.twin(h) != NONE && h < connectivity.twin(h))
 }

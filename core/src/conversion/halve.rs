@@ -19,12 +19,12 @@ use rustc_hash::{FxHashMap, FxHashSet};
 pub(super) struct Half {
     /// The part at x ≥ 0.
     pub(super) mesh: TriangleMesh,
-    pub(super) connectivity: Connectivity,
+    pub(super) connectivity: Connectivity<'static>,
     /// For each vertex of it whether it lies on the seam.
     pub(super) seam: Vec<bool>,
     /// The half's vertices and faces, then the others.
     pub(super) whole: TriangleMesh,
-    pub(super) whole_connectivity: Connectivity,
+    pub(super) whole_connectivity: Connectivity<'static>,
 }
 
 /// How a surface is cut.

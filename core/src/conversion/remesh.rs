@@ -215,7 +215,7 @@ const CLOSE_SAMPLES: usize = 1_000_000;
 struct Prepared {
     target: TriangleMesh,
     ground: TriangleMesh,
-    connectivity: Connectivity,
+    connectivity: Connectivity<'static>,
     /// Half of that, where the base mesh is to be symmetric.
     half: Option<Half>,
 }
@@ -229,7 +229,7 @@ const THINNED: usize = 150_000;
 impl Prepared {
     fn new(
         target: TriangleMesh,
-        connectivity: Connectivity,
+        connectivity: Connectivity<'static>,
         progress: &dyn Fn(Phase, f32) -> bool,
     ) -> Result<Self, RemeshError> {
         if target.faces.len() <= LARGEST_GROUND {

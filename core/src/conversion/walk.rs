@@ -12,7 +12,7 @@ const LONGEST: usize = 200;
 /// A surface to walk on.
 pub(super) struct Ground<'m> {
     pub(super) mesh: &'m TriangleMesh,
-    pub(super) connectivity: &'m Connectivity,
+    pub(super) connectivity: &'m Connectivity<'m>,
 }
 
 impl Ground<'_> {

@@ -30,7 +30,7 @@ pub fn detect(
     faces: &[[u32; 3]],
     most_levels: u8,
 ) -> Result<Option<Detected>, NotManifold> {
-    let mut at = Connectivity::build(vertex_count, faces.to_vec())?;
+    let mut at = Connectivity::build(vertex_count, faces)?;
     let mut steps: Vec<Midpoints> = Vec::new();
     while steps.len() < usize::from(most_levels.min(super::FINEST_LEVEL)) {
         match coarsen(at) {
@@ -81,16 +81,16 @@ enum Label {
 }
 
 /// What came of one step back.
-enum Coarsened {
+enum Coarsened<'f> {
     /// The coarser mesh, and the vertices between its own.
-    Done(Connectivity, Midpoints),
+    Done(Connectivity<'f>, Midpoints),
     /// The mesh as it was.
-    Not(Connectivity),
+    Not(Connectivity<'f>),
 }
 
 /// One step back. Vertex indices stay those of the triangle list. The relations of the finer mesh are let go before those of
 /// the coarser are made, for together they would take more memory than all else.
-fn coarsen(mesh: Connectivity) -> Coarsened {
+fn coarsen(mesh: Connectivity<'_>) -> Coarsened<'_> {
     let Some(middles) = middle_faces(&mesh) else { return Coarsened::Not(mesh) };
     let (vertex_count, finer) = (mesh.vertex_count(), mesh.into_faces());
     let midpoints = middles.midpoints(&finer);

@@ -5,6 +5,7 @@
 //! It does **not** prove that the list is a simplicial complex: two faces may have the same three corners.
 
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use thiserror::Error;
 
@@ -58,8 +59,9 @@ pub enum NotManifold {
 
 /// Neighbour relations of an oriented triangle list.
 #[derive(Debug, Clone)]
-pub struct Connectivity {
-    faces: Vec<[u32; 3]>,
+pub struct Connectivity<'f> {
+    /// Those it was built of, as long as they agree.
+    faces: Cow<'f, [[u32; 3]]>,
     twins: Vec<u32>,
     outgoing: Vec<u32>,
     /// Empty if there is one component.
@@ -67,13 +69,14 @@ pub struct Connectivity {
     components: u32,
 }
 
-impl Connectivity {
+impl<'f> Connectivity<'f> {
     /// Builds the relations, turning faces round where that makes neighbours agree; the first face of each
-    /// component keeps its orientation. Time and memory linear in the faces.
+    /// component keeps its orientation. Borrowed faces are copied only then. Time and memory linear in the faces.
     ///
     /// # Errors
     /// The first obstacle found; see [`NotManifold`].
-    pub fn build(vertex_count: u32, mut faces: Vec<[u32; 3]>) -> Result<Self, NotManifold> {
+    pub fn build(vertex_count: u32, faces: impl Into<Cow<'f, [[u32; 3]]>>) -> Result<Self, NotManifold> {
+        let mut faces = faces.into();
         for (f, face) in faces.iter().enumerate() {
             let face_index = f as u32;
             for k in 0..3 {
@@ -103,7 +106,7 @@ impl Connectivity {
     }
 
     /// The faces alone: [`Connectivity::build`] makes the rest of them again.
-    pub fn into_faces(self) -> Vec<[u32; 3]> {
+    pub fn into_faces(self) -> Cow<'f, [[u32; 3]]> {
         self.faces
     }
 
@@ -268,9 +271,9 @@ struct Components {
 }
 
 /// Turns faces so that neighbours agree.
-fn orient(faces: &mut [[u32; 3]], pairs: &[u32]) -> Result<Components, NotManifold> {
+fn orient(faces: &mut Cow<'_, [[u32; 3]]>, pairs: &[u32]) -> Result<Components, NotManifold> {
     const UNSEEN: u32 = u32::MAX;
-    let original = &*faces;
+    let original = &**faces;
     let ends = |h: u32| {
         let face = original[(h / 3) as usize];
         let k = (h % 3) as usize;
@@ -308,10 +311,13 @@ fn orient(faces: &mut [[u32; 3]], pairs: &[u32]) -> Result<Components, NotManifo
         }
         components += 1;
     }
-    for (face, _) in faces.iter_mut().zip(&flipped).filter(|(_, turned)| **turned) {
-        face.swap(1, 2);
+    let turned = flipped.contains(&true);
+    if turned {
+        for (face, _) in faces.to_mut().iter_mut().zip(&flipped).filter(|(_, turned)| **turned) {
+            face.swap(1, 2);
+        }
     }
-    Ok(Components { of_face: component, count: components, turned: flipped.contains(&true) })
+    Ok(Components { of_face: component, count: components, turned })
 }
 
 /// One outgoing half-edge per vertex, after checking that each vertex has a single fan.

@@ -2,7 +2,7 @@ use super::*;
 use crate::mesh::shapes;
 use std::collections::BTreeMap;
 
-fn connected(mesh: &TriangleMesh) -> Connectivity {
+fn connected(mesh: &TriangleMesh) -> Connectivity<'static> {
     Connectivity::build(mesh.positions.len() as u32, mesh.faces.clone()).expect("a manifold")
 }
 
