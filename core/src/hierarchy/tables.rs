@@ -39,25 +39,31 @@ impl Hierarchy {
 
     /// The faces of `M^j` as slots, oriented, base face by base face, row by row. Linear in their number.
     pub fn triangles(&self, level: Level) -> Vec<[u32; 3]> {
+        let mut triangles = Vec::with_capacity(self.face_count(level) as usize);
+        self.for_each_triangle(level, |corners| triangles.push(corners));
+        triangles
+    }
+
+    /// Calls back for [`Hierarchy::triangles`], none of which is kept.
+    pub fn for_each_triangle(&self, level: Level, mut found: impl FnMut([u32; 3])) {
         let layout = self.layout(level);
         let n = layout.segments();
-        let mut triangles = Vec::with_capacity(self.face_count(level) as usize);
         let mut lower = Vec::new();
         let mut upper = Vec::new();
         for face in 0..self.base.faces().len() as u32 {
             row_slots(layout, face, 0, &mut lower);
             for r in 1..=n {
                 row_slots(layout, face, r, &mut upper);
-                for i in 0..upper.len() {
-                    triangles.push([lower[i], lower[i + 1], upper[i]]);
-                    if i + 1 < upper.len() {
-                        triangles.push([lower[i + 1], upper[i + 1], upper[i]]);
-                    }
+                let (pairs, last) = (upper.len() - 1, upper[upper.len() - 1]);
+                let rows = lower.windows(3).zip(upper.windows(2));
+                for (low, up) in rows {
+                    found([low[0], low[1], up[0]]);
+                    found([low[1], up[1], up[0]]);
                 }
+                found([lower[pairs], lower[pairs + 1], last]);
                 std::mem::swap(&mut lower, &mut upper);
             }
         }
-        triangles
     }
 
     /// The edges of `M^j` as the slots of their ends. Linear in their number.

@@ -4,9 +4,9 @@
 //! so it is undone exactly: with `a` the axis nearest to the normal `n`, `ν = d·n / |n_a|` and the two other components
 //! less their share of `ν n`. An error of `ν` moves a vertex along the normal, one of the others in the surface.
 
-use crate::hierarchy::{Hierarchy, Level, Odd};
+use super::visit::of_odds;
+use crate::hierarchy::{Hierarchy, Level};
 use crate::surface::Vector;
-use rayon::prelude::*;
 
 /// Bits of a slope's fraction.
 const BITS: u32 = 14;
@@ -80,18 +80,16 @@ impl Frame {
 /// The frames of the odd vertices of a level, from positions of its vertices by slot: each about the sum of its parents'
 /// normals. A vertex's normal is the sum of `(b − a) × (c − a)` over its faces, modulo 2^64. `O(n_j)`.
 pub(super) fn frames(hierarchy: &Hierarchy, level: Level, positions: &[Vector]) -> Vec<Frame> {
-    let layout = hierarchy.layout(level);
     let normals = normals(hierarchy, level, positions);
-    let of_odd = |odd: u32| {
-        let [u, w] = layout.parents(layout.odd_site(Odd(odd))).map(|site| normals[layout.slot(site).index()]);
+    of_odds(hierarchy.layout(level), hierarchy.layout(level.finer()), |_, _, parents| {
+        let [u, w] = parents.map(|slot| normals[slot as usize]);
         Frame::about([0, 1, 2].map(|c| u[c].wrapping_add(w[c])))
-    };
-    (0..layout.odd_len()).into_par_iter().with_min_len(1024).map(of_odd).collect()
+    })
 }
 
 fn normals(hierarchy: &Hierarchy, level: Level, positions: &[Vector]) -> Vec<[i64; 3]> {
     let mut normals = vec![[0i64; 3]; positions.len()];
-    for corners in hierarchy.triangles(level) {
+    hierarchy.for_each_triangle(level, |corners| {
         let [a, b, c] = corners.map(|slot| positions[slot as usize].map(i64::from));
         let [p, q] = [b, c].map(|x| [0, 1, 2].map(|k| x[k] - a[k]));
         let cross = [0, 1, 2].map(|k| {
@@ -102,7 +100,7 @@ fn normals(hierarchy: &Hierarchy, level: Level, positions: &[Vector]) -> Vec<[i6
             let normal = &mut normals[slot as usize];
             *normal = [0, 1, 2].map(|k| normal[k].wrapping_add(cross[k]));
         }
-    }
+    });
     normals
 }
 

@@ -16,7 +16,8 @@ use super::frames::{Frame, frames};
 use super::planes::{Block, CLASSES, Level as Planes, Models, code};
 use super::range_coder::{Coder, Decoder, Encoder, Model};
 use super::transform::{Coding, Transform};
-use crate::hierarchy::{Hierarchy, Level, Odd};
+use super::visit::of_odds;
+use crate::hierarchy::{Hierarchy, Level};
 use crate::surface::{Surface, Vector};
 use crate::wavelet::Filters;
 use rayon::prelude::*;
@@ -143,8 +144,8 @@ impl State<'_> {
         if details.known.is_empty() {
             return vec![[0; 3]; coarse.odd_len() as usize];
         }
-        let of_odd = |odd: u32| {
-            let known = details.known[fine.slot(coarse.odd_site(Odd(odd))).index()];
+        of_odds(coarse, fine, |odd, slot, _| {
+            let known = details.known[slot as usize];
             let mut local = [0; 3];
             for (class, range) in CLASSES.into_iter().enumerate() {
                 let plane = match details.cut {
@@ -156,8 +157,7 @@ impl State<'_> {
                 }
             }
             details.frames[odd as usize].turn_back(local)
-        };
-        (0..coarse.odd_len()).into_par_iter().with_min_len(1024).map(of_odd).collect()
+        })
     }
 
     /// Gets a level ready for its first block: its frames are those of the positions known now, and never change. Then

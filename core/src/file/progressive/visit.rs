@@ -1,6 +1,8 @@
 //! Every odd vertex of a level with what lies around it, by rising id.
 
-use crate::hierarchy::{Layout, Site};
+use crate::hierarchy::{Layout, Site, row_slots};
+use rayon::prelude::*;
+use std::convert::Infallible;
 
 /// An odd vertex and its surroundings, by slot.
 #[derive(Debug, Clone, Copy)]
@@ -15,7 +17,7 @@ pub(super) struct Place<'a> {
 }
 
 /// Calls back for every odd vertex of a level until one is refused, and says which. `O(n_{j+1})`; inside base faces
-/// everything is found by additions.
+/// everything is found along rows.
 #[inline(always)]
 pub(super) fn visit(
     coarse: &Layout,
@@ -23,54 +25,108 @@ pub(super) fn visit(
     mut each: impl FnMut(Place) -> Result<(), u32>,
 ) -> Result<(), u32> {
     let (n, base) = (coarse.segments(), coarse.base().clone());
-    let mut odd = 0;
     for edge in 0..base.edges().len() as u32 {
-        for t in (1..2 * n).step_by(2) {
-            anywhere(coarse, fine, Site::Edge { edge, t }, odd, &mut each)?;
-            odd += 1;
+        for s in 0..n {
+            let site = Site::Edge { edge, t: 2 * s + 1 };
+            let (mut near, mut count) = ([0; 6], 0);
+            fine.for_each_neighbour(site, |site| {
+                near[count] = fine.slot(site).0;
+                count += 1;
+            });
+            let parents = on_edge(coarse, edge, s);
+            each(Place { odd: edge * n + s, slot: fine.slot(site).0, near: &near[..count], parents })?;
         }
     }
+    let mut rows = Rows::default();
     for face in 0..base.faces().len() as u32 {
-        for r in 1..2 * n - 1 {
-            let last = 2 * n - r - 1;
-            let inner = 1 < r && 2 < last;
-            let at = |layout: &Layout, r: u32| layout.row(face, r).0.wrapping_sub(1);
-            let rows = if inner { [at(fine, r - 1), at(fine, r), at(fine, r + 1)] } else { [0; 3] };
-            let above = if inner { [at(coarse, r / 2), at(coarse, r.div_ceil(2))] } else { [0; 2] };
-            let first_step = if r % 2 == 1 { 1 } else { 2 };
-            for i in (1..=last).step_by(first_step) {
-                if inner && 1 < i && i < last {
-                    let [down, row, up] = rows.map(|row| row + i);
-                    let near = [row - 1, row + 1, down, down + 1, up, up - 1];
-                    let parents = match (i % 2, r % 2) {
-                        (1, 0) => [above[0] + i / 2, above[0] + i.div_ceil(2)],
-                        (0, 1) => [above[0] + i / 2, above[1] + i / 2],
-                        _ => [above[0] + i.div_ceil(2), above[1] + i / 2],
-                    };
-                    each(Place { odd, slot: row, near: &near, parents })?;
-                } else {
-                    anywhere(coarse, fine, Site::Face { face, i, r }, odd, &mut each)?;
-                }
-                odd += 1;
-            }
-        }
+        rows.in_face(coarse, fine, face, |odd, [down, row, up], i, parents| {
+            let near = [row[i - 1], row[i + 1], down[i], down[i + 1], up[i], up[i - 1]];
+            each(Place { odd, slot: row[i], near: &near, parents })
+        })?;
     }
     Ok(())
 }
 
-/// A vertex wherever it lies.
-fn anywhere(
+/// A value for each odd vertex of a level, by its slot in `M^{j+1}` and its parents' in `M^j`. `O(n_{j+1})`, in parallel over
+/// base faces.
+pub(super) fn of_odds<T: Clone + Default + Send>(
     coarse: &Layout,
     fine: &Layout,
-    site: Site,
-    odd: u32,
-    each: &mut impl FnMut(Place) -> Result<(), u32>,
-) -> Result<(), u32> {
-    let (mut near, mut count) = ([0; 6], 0);
-    fine.for_each_neighbour(site, |site| {
-        near[count] = fine.slot(site).0;
-        count += 1;
+    make: impl Fn(u32, u32, [u32; 2]) -> T + Sync,
+) -> Vec<T> {
+    let mut values = vec![T::default(); coarse.odd_len() as usize];
+    let n = coarse.segments() as usize;
+    let (on_edges, inside) = values.split_at_mut(n * coarse.base().edges().len());
+    on_edges.par_chunks_mut(n).enumerate().with_min_len(1024 / n + 1).for_each(|(edge, values)| {
+        let edge = edge as u32;
+        for (s, value) in (0..n as u32).zip(values) {
+            let slot = fine.slot(Site::Edge { edge, t: 2 * s + 1 }).0;
+            *value = make(edge * n as u32 + s, slot, on_edge(coarse, edge, s));
+        }
     });
-    let parents = coarse.parents(site).map(|site| coarse.slot(site).0);
-    each(Place { odd, slot: fine.slot(site).0, near: &near[..count], parents })
+    let faces = inside.par_chunks_mut((3 * n * (n - 1) / 2).max(1)).enumerate();
+    faces.with_min_len(1024 / (n * n) + 1).for_each_init(Rows::default, |rows, (face, values)| {
+        let mut values = values.iter_mut();
+        let Ok(()) = rows.in_face(coarse, fine, face as u32, |odd, [_, row, _], i, parents| {
+            *values.next().expect("as many as odd vertices") = make(odd, row[i], parents);
+            Ok::<(), Infallible>(())
+        });
+    });
+    values
+}
+
+/// The parents of the odd vertex after `s` edges of `M^j` along a base edge.
+fn on_edge(coarse: &Layout, edge: u32, s: u32) -> [u32; 2] {
+    [s, s + 1].map(|t| coarse.slot(coarse.along_edge(edge, t)).0)
+}
+
+/// Slots of whole rows of a face's grid, borders included.
+#[derive(Default)]
+struct Rows {
+    /// Of `M^{j+1}`: one row, the one before it and the one after.
+    fine: [Vec<u32>; 3],
+    /// Of `M^j`: the row at or before that row, and the one after.
+    coarse: [Vec<u32>; 2],
+}
+
+impl Rows {
+    /// Calls back for every odd vertex inside a face until one is refused: with the slots of the row before its own, its own
+    /// and the one after, with its place along the row, and with its parents.
+    #[inline(always)]
+    fn in_face<E>(
+        &mut self,
+        coarse: &Layout,
+        fine: &Layout,
+        face: u32,
+        mut each: impl FnMut(u32, [&[u32]; 3], usize, [u32; 2]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let n = coarse.segments();
+        let mut odd = coarse.odd_face_start(face);
+        (0..2).for_each(|r| row_slots(fine, face, r, &mut self.fine[r as usize]));
+        row_slots(coarse, face, 0, &mut self.coarse[1]);
+        for r in 1..2 * n - 1 {
+            row_slots(fine, face, r + 1, &mut self.fine[2]);
+            if r % 2 == 1 {
+                self.coarse.rotate_left(1);
+                row_slots(coarse, face, r / 2 + 1, &mut self.coarse[1]);
+            }
+            let last = (2 * n - r - 1) as usize;
+            let rows = [&self.fine[0][..last + 3], &self.fine[1][..last + 2], &self.fine[2][..last + 1]];
+            let [before, after] = [&self.coarse[0], &self.coarse[1]];
+            if r % 2 == 1 {
+                for i in 1..=last {
+                    let parents = [before[i.div_ceil(2)], after[i / 2]];
+                    each(odd, rows, i, parents)?;
+                    odd += 1;
+                }
+            } else {
+                for i in (1..=last).step_by(2) {
+                    each(odd, rows, i, [after[i / 2], after[i / 2 + 1]])?;
+                    odd += 1;
+                }
+            }
+            self.fine.rotate_left(1);
+        }
+        Ok(())
+    }
 }

@@ -30,7 +30,6 @@ impl Engine<'_> {
         let stencils = window.place(self.filters.stencil());
         let points = Points::all(chart.coarse, chart.fine, finer);
         border.collect(chart, &points);
-        let around = (&*border, &points);
         let mut exact = true;
         for first in (0..=n).step_by(STRIP as usize) {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
@@ -40,8 +39,8 @@ impl Engine<'_> {
                 let row = window.row(r);
                 let (even, odd) =
                     ([&mut row.e[..used], &mut row.h[..used]], [&mut row.v[..used], &mut row.d[..used]]);
-                strip.read_row(chart, around, 2 * r, stored_row(chart, 2 * r, finer), even);
-                strip.read_row(chart, around, 2 * r + 1, stored_row(chart, 2 * r + 1, finer), odd);
+                strip.read_row(chart, border, 2 * r, stored_row(chart, 2 * r, finer), even);
+                strip.read_row(chart, border, 2 * r + 1, stored_row(chart, 2 * r + 1, finer), odd);
                 exact &= self.predict(window, n, r);
                 self.store_details(chart, strip, window, r, &mut output.details);
                 let even = r - HALO;

@@ -1,9 +1,11 @@
-//! What lies around one base face at level j + 1: its edges, and beyond each a few lines of the face across it.
+//! What lies around one base face at level j + 1: its edges, beyond each a few lines of the face across it, and beyond each
+//! corner the points near it of the faces that share only the corner.
 //!
 //! Collected once a face, row by row of the face across, so that what lies in one line of the cache is fetched once; rows
-//! of a window then find it in one small array, in the order of their columns.
+//! of a window then find it in small arrays, in the order of their columns.
 
 use super::chart::Chart;
+use super::corner::Corner;
 use super::points::Points;
 use super::window::HALO;
 use std::ops::Range;
@@ -16,6 +18,7 @@ const LINES: usize = 2 * HALO as usize + 1;
 pub(super) struct Border<const N: usize> {
     n: usize,
     edges: [Vec<[i32; N]>; 3],
+    corners: [Corner<N>; 3],
 }
 
 /// Columns of a row from `first`.
@@ -26,7 +29,8 @@ pub(super) struct Run<'a, const N: usize> {
 }
 
 impl<const N: usize> Run<'_, N> {
-    const NONE: Self = Run { first: i32::MIN, values: &[] };
+    /// No columns, left of all others.
+    pub(super) const NONE: Self = Run { first: i32::MIN, values: &[] };
 
     fn columns(&self) -> Range<i32> {
         self.first..self.first + self.values.len() as i32
@@ -37,11 +41,16 @@ impl<const N: usize> Border<N> {
     /// Room for the faces of a level j with `n` segments.
     pub(super) fn new(n: u32) -> Self {
         let n = 2 * n as usize;
-        Self { n, edges: [(); 3].map(|()| vec![[0; N]; LINES * (n + 1)]) }
+        Self {
+            n,
+            edges: [(); 3].map(|()| vec![[0; N]; LINES * (n + 1)]),
+            corners: [0, 1, 2].map(Corner::new),
+        }
     }
 
     /// Collects what lies around a face.
     pub(super) fn collect(&mut self, chart: &Chart, points: &Points<N>) {
+        self.corners.iter_mut().for_each(|corner| corner.collect(chart, points));
         let n = self.n as i32;
         for (k, values) in self.edges.iter_mut().enumerate() {
             // Where the point `h` steps beyond the edge, `p` from its end, stands: a constant and a multiple of each.
@@ -97,28 +106,24 @@ impl<const N: usize> Border<N> {
         Some([left?, right?])
     }
 
-    /// Calls back for columns `from..=to` of row `ρ` of the unfolded grid with their values: of the face itself as `inside`
-    /// has them, of what is neither inside, on an edge nor beyond exactly one as `points` have them. Zero beyond the boundary
-    /// and around extraordinary corners, over which no stencil reaches.
+    /// Calls back for columns `from..=to` of row `ρ` of the unfolded grid with their values, of the face itself as `inside` has
+    /// them. Zero beyond the boundary and around extraordinary corners, over which no stencil reaches.
     #[inline(never)]
     pub(super) fn row(
         &self,
-        chart: &Chart,
         rho: i32,
         [from, to]: [i32; 2],
-        points: &Points<N>,
         inside: impl Fn(i32) -> [i32; N],
         mut found: impl FnMut(i32, [i32; N]),
     ) {
         let n = self.n as i32;
+        let within = |i: i32| i > 0 && rho > 0 && i + rho < n;
+        let between = |i: i32| if within(i) { inside(i) } else { [0; N] };
         let mut next = from;
-        let elsewhere = |i| chart.elsewhere(rho, i).map_or([0; N], |site| points.value(site));
-        for (at, run) in self.runs(rho).iter().enumerate() {
+        for run in self.runs(rho) {
             let columns = run.columns();
             for i in next..columns.start.min(to + 1) {
-                // Between the two runs of a row lies the face.
-                let within = at == 1 && i > 0 && i + rho < n;
-                found(i, if within { inside(i) } else { elsewhere(i) });
+                found(i, between(i));
             }
             next = next.max(columns.start);
             for i in next..columns.end.min(to + 1) {
@@ -126,25 +131,26 @@ impl<const N: usize> Border<N> {
             }
             next = next.max(columns.end);
         }
-        (next..=to).for_each(|i| found(i, elsewhere(i)));
+        (next..=to).for_each(|i| found(i, between(i)));
     }
 
     /// The runs of row `ρ`, from left to right.
-    fn runs(&self, rho: i32) -> [Run<'_, N>; 2] {
+    fn runs(&self, rho: i32) -> [Run<'_, N>; 4] {
         let (n, lines) = (self.n as i32, LINES as i32);
+        if rho <= -lines || rho >= n {
+            return [self.corners[2].run(n, rho), Run::NONE, Run::NONE, Run::NONE];
+        }
         let run = |edge: usize, columns: Range<i32>, first: i32| {
             let at = first as usize;
             Run { first: columns.start, values: &self.edges[edge][at..at + columns.len()] }
         };
-        if rho <= -lines || rho >= n {
-            return [Run::NONE; 2];
-        }
+        let [before, after] = [0, 1].map(|corner| self.corners[corner].run(n, rho));
         if rho <= 0 {
             let from = (1 - rho).min(n);
-            return [run(0, from..n, -rho * (n + 1) + from), Run::NONE];
+            return [before, run(0, from..n, -rho * (n + 1) + from), Run::NONE, after];
         }
         let from = (1 - rho).max(1 - lines);
         let to = n.min(n - rho + lines);
-        [run(2, from..1, (rho + 1) * lines - 1 + from), run(1, n - rho..to, rho * lines)]
+        [before, run(2, from..1, (rho + 1) * lines - 1 + from), run(1, n - rho..to, rho * lines), after]
     }
 }

@@ -14,8 +14,6 @@ pub(super) struct Chart<'a> {
     pub(super) edges: [(u32, bool); 3],
     /// By edge of the face: the face across it.
     pub(super) across: [Option<EdgeSide>; 3],
-    /// By corner of the face: whether the grid goes on around it as the regular lattice does.
-    regular: [bool; 3],
 }
 
 /// On which edge of the face a point lies, and how far from that edge's low end.
@@ -38,7 +36,6 @@ impl<'a> Chart<'a> {
             fine,
             edges: std::array::from_fn(|k| (edges[k], base.edges()[edges[k] as usize][0] == corners[k])),
             across: [0, 1, 2].map(|k| base.across(face, k)),
-            regular: corners.map(|v| base.is_regular(v)),
         }
     }
 
@@ -51,17 +48,6 @@ impl<'a> Chart<'a> {
     pub(super) fn reach(&self, r: i32) -> (i32, i32) {
         let (n, halo) = (2 * self.n(), 2 * HALO);
         ((-halo).max(-halo - r), (n - r + halo).min(n + halo))
-    }
-
-    /// The site of a point of row `r` of level j + 1 that may lie beyond several edges; `None` beyond the boundary and around
-    /// extraordinary corners, over which no stencil reaches.
-    #[inline(never)]
-    pub(super) fn elsewhere(&self, r: i32, i: i32) -> Option<Site> {
-        let n = 2 * self.n();
-        let b = [n - i - r, i, r];
-        let corner = if b[0] >= b[1] && b[0] >= b[2] { 0 } else { 1 + usize::from(b[2] > b[1]) };
-        let beyond = b.iter().any(|&x| x < 0);
-        if beyond && !self.regular[corner] { None } else { self.fine.resolve(self.face, b) }
     }
 
     /// Where a point of a grid with `n` segments lies on the face's border, corners left out.

@@ -12,6 +12,7 @@
 mod analysis;
 mod border;
 mod chart;
+mod corner;
 mod face_blocks;
 mod pairs;
 mod patch;

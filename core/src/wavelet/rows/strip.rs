@@ -4,7 +4,6 @@ use super::border::Border;
 use super::chart::Chart;
 use super::face_blocks::FaceBlock;
 use super::pairs;
-use super::points::Points;
 use super::window::HALO;
 use std::ops::Range;
 
@@ -25,12 +24,12 @@ impl Strip {
     }
 
     /// Reads row `ρ` of the unfolded fine grid into two planes. `stored` is the part of it that lies inside the face,
-    /// as [`pairs`] has it; `points` has what the border does not hold.
+    /// as [`pairs`] has it.
     #[inline(always)]
     pub(super) fn read_row<const N: usize>(
         self,
         chart: &Chart,
-        (border, points): (&Border<N>, &Points<N>),
+        border: &Border<N>,
         rho: i32,
         stored: &[[i32; N]],
         [a, b]: [&mut [[i32; N]]; 2],
@@ -51,7 +50,7 @@ impl Strip {
                 let column = (to + 1 - left) as usize;
                 put_right_side(stored, after, [&mut a[column..], &mut b[column..]]);
             }
-            _ => self.read_around(chart, (border, points), rho, stored, [from, to], [&mut *a, &mut *b]),
+            _ => self.read_around(chart, border, rho, stored, [from, to], [&mut *a, &mut *b]),
         }
         if from <= to {
             let columns = (from - left) as usize..(to - left + 1) as usize;
@@ -65,7 +64,7 @@ impl Strip {
     fn read_around<const N: usize>(
         self,
         chart: &Chart,
-        (border, points): (&Border<N>, &Points<N>),
+        border: &Border<N>,
         rho: i32,
         stored: &[[i32; N]],
         [from, to]: [i32; 2],
@@ -84,10 +83,8 @@ impl Strip {
             if from > to { [[low, high], [0, -1]] } else { [[low, 2 * from - 1], [2 * to + 2, high]] };
         for columns in around {
             border.row(
-                chart,
                 rho,
                 columns,
-                points,
                 |i| stored[i as usize - 1],
                 |i, value| {
                     let plane = if i & 1 == 0 { &mut *a } else { &mut *b };

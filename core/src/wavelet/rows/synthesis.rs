@@ -42,7 +42,7 @@ impl Engine<'_> {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
             window.start(first as u32);
             for r in -HALO..=n - first + HALO {
-                read_details(chart, (strip, r), window, (border, &points), own);
+                read_details(chart, (strip, r), window, border, own);
                 let even = r - HALO + 1;
                 if (0..=n - first).contains(&even) {
                     self.update(chart, strip, window, even, &stencils[row_place(even)], coarser, details);
@@ -135,7 +135,7 @@ fn read_details<const N: usize>(
     chart: &Chart,
     (strip, r): (Strip, i32),
     window: &mut Window<N>,
-    (border, points): (&Border<N>, &Points<N>),
+    border: &Border<N>,
     own: &[[i32; N]],
 ) {
     let n = chart.n();
@@ -144,7 +144,7 @@ fn read_details<const N: usize>(
     let row = window.row(r);
     let (h, odd) = (&mut row.h[..used], [&mut row.v[..used], &mut row.d[..used]]);
     let rho = 2 * r + 1;
-    strip.read_row(chart, (border, points), rho, &own[stored_details(chart, rho)], odd);
+    strip.read_row(chart, border, rho, &own[stored_details(chart, rho)], odd);
     // Of an even row only `H` is stored, all of it inside the face.
     let (low, high) = chart.reach(2 * r);
     let (low, high) = (low.div_euclid(2).max(left), high.div_euclid(2).min(left + used as i32 - 1));
@@ -166,7 +166,7 @@ fn read_details<const N: usize>(
             };
             for columns in around {
                 let no_odds = |_| [0; N];
-                border.row(chart, 2 * r, columns, points, no_odds, |i, value| {
+                border.row(2 * r, columns, no_odds, |i, value| {
                     if i & 1 == 1 {
                         h[((i >> 1) - left) as usize] = value;
                     }
