@@ -13,7 +13,7 @@ use super::patch::{POINTS, Patch};
 use super::pulls::Pulls;
 use super::simplify::Cancelled;
 use super::target::Target;
-use super::unfold::Unfolding;
+use super::unfold::{MOST_LOOKS, Unfolding};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -101,7 +101,7 @@ impl Mending<'_> {
         let turned = self.turned(&positions);
         let turned: Vec<u32> = (0u32..).zip(&turned).filter(|(_, turned)| **turned).map(|(f, _)| f).collect();
         let Self { target, fitted, places, .. } = *self;
-        let unfolding = Unfolding { target, fitted, places, pulls: &pulls };
+        let unfolding = Unfolding { target, fitted, places, pulls: &pulls, looks: MOST_LOOKS };
         unfolding.run(&mut positions, &turned, &|| progress(1.0))?;
         Ok(positions)
     }

@@ -5,7 +5,7 @@
 //! even spacing) was done before; a handful of faces is left, seldom hundreds.
 //!
 //! Guarantees: no step turns more faces over; vertices slide along the sharp edge or the boundary they lie on; far from
-//! turned faces all stay; the same input gives the same result.
+//! turned faces all stay; the same input gives the same result; so much work is done at most, on whatever input.
 
 use super::fitted::Fitted;
 use super::mend::twice_area_over_longest;
@@ -29,6 +29,9 @@ const SHAKES: [Shake; 4] = [
     Shake { rings: 4, drag: true, smoothings: 6 },
 ];
 const DESCENTS: usize = 4;
+/// Triangles and boxes looked at are so many at most, two seconds' worth: where the input's triangles lie through one
+/// another, or are long and thin, a closest point takes hundreds of looks.
+pub(super) const MOST_LOOKS: u64 = 30_000_000;
 /// A face counts as well turned from this cosine to the input's normal on.
 const UPRIGHT: f64 = 0.3;
 /// A face is no sliver from this on; see [`twice_area_over_longest`].
@@ -80,6 +83,8 @@ pub(super) struct Unfolding<'a> {
     pub(super) places: &'a [DVec3],
     /// How the fit lay.
     pub(super) pulls: &'a Pulls,
+    /// How many triangles and boxes may be looked at; when those are spent, what is turned stays so.
+    pub(super) looks: u64,
 }
 
 /// What is asked again and again.
@@ -88,9 +93,17 @@ struct Near<'a> {
     /// The samples of the target by the face of the fit that each was closest to.
     starts: Vec<u32>,
     order: Vec<u32>,
+    /// Distances from samples to triangles of the fit that were taken.
+    compared: u64,
+    most: u64,
 }
 
 impl Near<'_> {
+    /// Whether no more is looked at.
+    fn is_spent(&self) -> bool {
+        self.cursor.looked_at() + self.compared >= self.most
+    }
+
     fn samples(&self, face: u32) -> &[u32] {
         let face = face as usize;
         &self.order[self.starts[face] as usize..self.starts[face + 1] as usize]
@@ -110,13 +123,17 @@ impl Unfolding<'_> {
         go_on: &dyn Fn() -> bool,
     ) -> Result<(), Cancelled> {
         let (starts, order) = self.pulls.by_face(self.fitted.pattern.faces().len());
-        let mut near = Near { cursor: self.target.tree.cursor(), starts, order };
+        let mut near =
+            Near { cursor: self.target.tree.cursor(), starts, order, compared: 0, most: self.looks };
         let mut left: Vec<u32> = turned[..turned.len().min(MOST_FACES)].to_vec();
         for _ in 0..ROUNDS {
             let mut next = Vec::new();
             for &f in &left {
                 if !go_on() {
                     return Err(Cancelled);
+                }
+                if near.is_spent() {
+                    return Ok(());
                 }
                 let corners = self.fitted.pattern.faces()[f as usize];
                 if self.is_turned(f, positions, &mut near)
@@ -132,7 +149,7 @@ impl Unfolding<'_> {
         }
         let mut tries = MOST_SHAKEN;
         for &f in turned {
-            if tries > 0 && self.is_turned(f, positions, &mut near) {
+            if tries > 0 && !near.is_spent() && self.is_turned(f, positions, &mut near) {
                 tries -= 1;
                 self.shake(f, positions, &mut near, go_on)?;
             }
@@ -167,8 +184,8 @@ impl Unfolding<'_> {
                 if !go_on() {
                     return Err(Cancelled);
                 }
-                let moved = around.iter().filter(|&&v| self.improve(v as usize, positions, near)).count();
-                if moved == 0 {
+                let mut improve = |v: u32| !near.is_spent() && self.improve(v as usize, positions, near);
+                if around.iter().filter(|&&v| improve(v)).count() == 0 {
                     break;
                 }
             }
@@ -346,6 +363,8 @@ impl Unfolding<'_> {
         around.sort_unstable();
         around.dedup();
         let triangles: Vec<[DVec3; 3]> = around.iter().map(|&f| self.corners(f, positions)).collect();
+        let samples = faces.iter().map(|&f| near.samples(f).len()).sum::<usize>();
+        near.compared += (samples * triangles.len()) as u64;
         let back = |&sample: &u32| {
             let point = self.target.samples[sample as usize];
             triangles.iter().map(|t| closest_on_triangle(point, t).1).fold(f64::INFINITY, f64::min)

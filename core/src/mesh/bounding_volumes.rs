@@ -118,7 +118,7 @@ impl BoundingVolumes {
 
     /// A cursor for a sequence of queries.
     pub fn cursor(&self) -> ClosestPointCursor<'_> {
-        ClosestPointCursor { tree: self, slot: None, aside: Vec::new() }
+        ClosestPointCursor { tree: self, slot: None, aside: Vec::new(), looked_at: 0 }
     }
 }
 
@@ -130,6 +130,7 @@ pub struct ClosestPointCursor<'t> {
     slot: Option<usize>,
     /// Boxes and triangles put aside, with a lower bound of their squared distance each.
     aside: Vec<(f32, u32)>,
+    looked_at: u64,
 }
 
 /// The best answer so far.
@@ -149,6 +150,11 @@ impl ClosestPointCursor<'_> {
         self.descend(query, &mut best, &|_| true);
         self.slot = Some(best.slot);
         self.tree.answer(&best)
+    }
+
+    /// How many boxes and triangles all queries together looked at: what they cost, on whatever machine.
+    pub fn looked_at(&self) -> u64 {
+        self.looked_at
     }
 
     /// The next query starts from a face instead, best one the answer lies on or near.
@@ -184,7 +190,7 @@ impl ClosestPointCursor<'_> {
 
     /// The nearest box or triangle first, leaving out those no nearer than the best triangle.
     fn descend(&mut self, point: DVec3, best: &mut Best, allowed: &impl Fn(FaceIndex) -> bool) {
-        let Self { tree, aside, .. } = self;
+        let Self { tree, aside, looked_at, .. } = self;
         let query = tree.frame.query(point);
         let mut reach = tree.frame.reach(best.squared);
         aside.clear();
@@ -193,6 +199,7 @@ impl ClosestPointCursor<'_> {
             if bound >= reach {
                 continue;
             }
+            *looked_at += 1;
             match Child::of(code) {
                 Some(Child::Triangle(slot)) => {
                     let (point, squared) = closest_on_triangle(point, &tree.corners[slot]);

@@ -33,6 +33,7 @@ fn unfolded(
     [input, coarse]: [TriangleMesh; 2],
     moved: impl Fn(DVec3) -> DVec3,
     fixed: Option<usize>,
+    looks: u64,
 ) -> (Vec<DVec3>, Vec<DVec3>, [usize; 2]) {
     let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
     let mut fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
@@ -41,7 +42,7 @@ fn unfolded(
     let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
         panic!("nobody asked to stop")
     };
-    let unfolding = Unfolding { target: &target, fitted: &fitted, places: &places, pulls: &pulls };
+    let unfolding = Unfolding { target: &target, fitted: &fitted, places: &places, pulls: &pulls, looks };
     let turned = |positions: &[DVec3]| {
         let mut cursor = target.tree.cursor();
         let corners = |f: &[u32; 3]| f.map(|v| positions[v as usize]);
@@ -59,7 +60,7 @@ fn unfolded(
 fn a_turned_face_is_turned_back_and_the_rest_stays() {
     let pole = DVec3::Z;
     let fold = |p: DVec3| if p.distance(pole) < 1e-9 { DVec3::new(0.2, 0.03, 0.979) } else { p };
-    let (places, result, [before, after]) = unfolded([ball(5), ball(4)], fold, None);
+    let (places, result, [before, after]) = unfolded([ball(5), ball(4)], fold, None, MOST_LOOKS);
     assert!(before > 0 && after == 0, "{before} {after}");
     for (place, at) in places.iter().zip(&result) {
         assert!((at.length() - 1.0).abs() < 0.01, "{at}");
@@ -74,7 +75,7 @@ fn a_knot_of_faces_is_shaken_loose() {
         let near = p.distance(DVec3::Z);
         if near < 0.3 { DVec3::new(-p.x, p.y, p.z) } else { p }
     };
-    let (places, result, [before, after]) = unfolded([ball(5), ball(4)], swap, None);
+    let (places, result, [before, after]) = unfolded([ball(5), ball(4)], swap, None, MOST_LOOKS);
     assert!(before > 4 && after == 0, "{before} {after}");
     let off = result.iter().map(|at| (at.length() - 1.0).abs()).fold(0.0, f64::max);
     assert!(off < 0.02, "{off}");
@@ -88,11 +89,26 @@ fn neighbours_follow_a_corner_that_keeps_its_place() {
     let pole = ball(4).positions.iter().position(|p| p[2] > 1.0 - 1e-9).expect("a pole");
     let there = DVec3::new(0.25, 0.03, 0.968).normalize();
     let fold = |p: DVec3| if p.z > 1.0 - 1e-9 { there } else { p };
-    let (places, result, [before, after]) = unfolded([ball(5), ball(4)], fold, Some(pole));
+    let (places, result, [before, after]) = unfolded([ball(5), ball(4)], fold, Some(pole), MOST_LOOKS);
     assert!(before > 0 && after == 0, "{before} {after}");
     assert_eq!(result[pole], there);
     let far = |place: &DVec3| place.distance(DVec3::Z) > 1.0;
     assert!(places.iter().zip(&result).all(|(place, at)| !far(place) || place == at));
+}
+
+/// What is turned stays turned when so much has been looked at; nothing is left half done.
+#[test]
+fn no_more_is_looked_at_than_is_allowed() {
+    let swap = |p: DVec3| if p.distance(DVec3::Z) < 0.3 { DVec3::new(-p.x, p.y, p.z) } else { p };
+    let after = |looks: u64| {
+        let (places, result, [before, after]) = unfolded([ball(5), ball(4)], swap, None, looks);
+        let stays = places.iter().zip(&result).all(|(&place, &at)| swap(place) == at);
+        (before, after, stays)
+    };
+    let (before, left, stays) = after(0);
+    assert!(left == before && stays, "{before} {left}");
+    let (_, some, stays) = after(50_000);
+    assert!(0 < some && some < before && !stays, "{before} {some}");
 }
 
 #[test]
@@ -102,7 +118,7 @@ fn vertices_of_a_boundary_stay_on_it() {
     let rim = x.min_by(|p, q| p.distance(DVec3::X).total_cmp(&q.distance(DVec3::X))).expect("a rim");
     let turn = DVec3::new(libm::cos(0.08), libm::sin(0.08), 0.0);
     let fold = |p: DVec3| if p.distance(rim) < 1e-9 { turn } else { p };
-    let (_, result, [before, after]) = unfolded([cap(6), coarse], fold, None);
+    let (_, result, [before, after]) = unfolded([cap(6), coarse], fold, None, MOST_LOOKS);
     assert!(before > 0 && after == 0, "{before} {after}");
     let of_rim = result.iter().filter(|at| at.z.abs() < 1e-9).count();
     assert_eq!(of_rim, 128, "all vertices of the rim are still in its plane");
@@ -118,6 +134,12 @@ fn it_can_be_stopped() {
         panic!("nobody asked to stop")
     };
     let true_places = places.clone();
-    let unfolding = Unfolding { target: &target, fitted: &fitted, places: &true_places, pulls: &pulls };
+    let unfolding = Unfolding {
+        target: &target,
+        fitted: &fitted,
+        places: &true_places,
+        pulls: &pulls,
+        looks: MOST_LOOKS,
+    };
     assert!(unfolding.run(&mut places, &[0], &|| false).is_err());
 }
