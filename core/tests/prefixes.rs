@@ -107,7 +107,7 @@ fn random_lengths_of_larger_files() {
 
 /// The same, ten thousand times.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes; scripts/cuts runs it"]
 fn many_random_lengths_of_larger_files() {
     random_cuts(2000);
 }
