@@ -188,15 +188,9 @@ impl Layout {
         b
     }
 
-    /// The site at barycentric coordinates that may be negative: each negative coordinate unfolds the face across
-    /// that edge. Unambiguous wherever the faces passed over lie flat like the regular lattice. `None` beyond the
-    /// boundary. Cost: one step per edge crossed.
-    pub fn resolve(&self, face: u32, b: [i32; 3]) -> Option<Site> {
-        let (face, b) = self.unfold(face, b)?;
-        Some(self.site_at(face, b))
-    }
-
-    /// A point, in units of any level, given in the frame of one face, in the frame of the face that holds it.
+    /// A point, in units of any level, given in the frame of one face, in the frame of the face that holds it: each negative
+    /// coordinate unfolds the face across that edge. Unambiguous wherever the faces passed over lie flat like the regular
+    /// lattice. `None` beyond the boundary. Cost: one step per edge crossed.
     fn unfold(&self, face: u32, b: [i32; 3]) -> Option<(u32, [u32; 3])> {
         let (mut face, mut b) = (face, b);
         while let Some(c) = b.iter().position(|&x| x < 0) {
@@ -216,7 +210,8 @@ impl Layout {
         Some((face, b.map(|x| x as u32)))
     }
 
-    /// The odd vertex at barycentric coordinates of level j + 1 (sum `2n`), unfolded like [`Layout::resolve`].
+    /// The odd vertex at barycentric coordinates of level j + 1 (sum `2n`), which may be negative: each that is unfolds the face
+    /// across that edge. `None` beyond the boundary.
     #[inline]
     pub fn resolve_odd(&self, face: u32, b: [i32; 3]) -> Option<Odd> {
         // Nearly all are asked for inside the face or one that shares an edge with it.

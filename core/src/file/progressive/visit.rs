@@ -130,3 +130,70 @@ impl Rows {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hierarchy::{BaseMesh, Hierarchy, Level, Odd};
+    use crate::mesh::shapes;
+    use std::sync::Arc;
+
+    /// An odd vertex: its slot, its neighbours' in ascending order, and its parents' in ascending order.
+    type Found = (u32, Vec<u32>, [u32; 2]);
+
+    fn sorted<const N: usize>(mut slots: [u32; N]) -> [u32; N] {
+        slots.sort_unstable();
+        slots
+    }
+
+    /// Read off one vertex at a time.
+    fn plainly(coarse: &Layout, fine: &Layout, odd: Odd) -> Found {
+        let site = coarse.odd_site(odd);
+        let mut near: Vec<u32> = fine.ring_slots(site).map(|slot| slot.0).collect();
+        near.sort_unstable();
+        (fine.slot(site).0, near, sorted(coarse.parents(site).map(|site| coarse.slot(site).0)))
+    }
+
+    #[test]
+    fn rows_give_what_single_vertices_have() {
+        for (name, mesh) in shapes::awkward() {
+            let base = BaseMesh::new(mesh.positions.len() as u32, mesh.faces.clone(), &[]).expect(name);
+            let hierarchy = Hierarchy::new(Arc::new(base), Level(4)).expect("small");
+            for j in 0..4 {
+                let (coarse, fine) = (hierarchy.layout(Level(j)), hierarchy.layout(Level(j + 1)));
+                let wanted: Vec<Found> =
+                    (0..coarse.odd_len()).map(|odd| plainly(coarse, fine, Odd(odd))).collect();
+                let mut visited = Vec::new();
+                let end = visit(coarse, fine, |Place { odd, slot, near, parents }| {
+                    assert_eq!(odd as usize, visited.len(), "{name}, level {j}: in order");
+                    let mut near = near.to_vec();
+                    near.sort_unstable();
+                    visited.push((slot, near, sorted(parents)));
+                    Ok(())
+                });
+                assert!(end.is_ok() && visited == wanted, "{name}, level {j}");
+                let made = of_odds(coarse, fine, |odd, slot, parents| (odd, slot, sorted(parents)));
+                let wanted: Vec<(u32, u32, [u32; 2])> =
+                    (0..).zip(wanted).map(|(odd, (slot, _, parents))| (odd, slot, parents)).collect();
+                assert!(made == wanted, "{name}, level {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_vertex_that_is_refused_is_the_last() {
+        let mesh = shapes::octahedron();
+        let base = BaseMesh::new(6, mesh.faces, &[]).expect("a base mesh");
+        let hierarchy = Hierarchy::new(Arc::new(base), Level(3)).expect("small");
+        let (coarse, fine) = (hierarchy.layout(Level(2)), hierarchy.layout(Level(3)));
+        // On an edge, at the beginning of a face and inside one.
+        for refused in [7, coarse.odd_face_start(0), coarse.odd_face_start(3) + 5] {
+            let mut seen = 0;
+            let end = visit(coarse, fine, |place| {
+                seen += 1;
+                if place.odd == refused { Err(place.odd) } else { Ok(()) }
+            });
+            assert_eq!((end, seen), (Err(refused), refused + 1));
+        }
+    }
+}
