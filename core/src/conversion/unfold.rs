@@ -99,9 +99,13 @@ struct Near<'a> {
 }
 
 impl Near<'_> {
-    /// Whether no more is looked at.
+    fn looked_at(&self) -> u64 {
+        self.cursor.looked_at() + self.compared
+    }
+
+    /// Whether no more may be looked at.
     fn is_spent(&self) -> bool {
-        self.cursor.looked_at() + self.compared >= self.most
+        self.looked_at() >= self.most
     }
 
     fn samples(&self, face: u32) -> &[u32] {
@@ -122,18 +126,13 @@ impl Unfolding<'_> {
         turned: &[u32],
         go_on: &dyn Fn() -> bool,
     ) -> Result<(), Cancelled> {
-        let (starts, order) = self.pulls.by_face(self.fitted.pattern.faces().len());
-        let mut near =
-            Near { cursor: self.target.tree.cursor(), starts, order, compared: 0, most: self.looks };
+        let mut near = self.near();
         let mut left: Vec<u32> = turned[..turned.len().min(MOST_FACES)].to_vec();
         for _ in 0..ROUNDS {
             let mut next = Vec::new();
             for &f in &left {
                 if !go_on() {
                     return Err(Cancelled);
-                }
-                if near.is_spent() {
-                    return Ok(());
                 }
                 let corners = self.fitted.pattern.faces()[f as usize];
                 if self.is_turned(f, positions, &mut near)
@@ -149,12 +148,17 @@ impl Unfolding<'_> {
         }
         let mut tries = MOST_SHAKEN;
         for &f in turned {
-            if tries > 0 && !near.is_spent() && self.is_turned(f, positions, &mut near) {
+            if tries > 0 && self.is_turned(f, positions, &mut near) {
                 tries -= 1;
                 self.shake(f, positions, &mut near, go_on)?;
             }
         }
         Ok(())
+    }
+
+    fn near(&self) -> Near<'_> {
+        let (starts, order) = self.pulls.by_face(self.fitted.pattern.faces().len());
+        Near { cursor: self.target.tree.cursor(), starts, order, compared: 0, most: self.looks }
     }
 
     /// Smooths the surroundings of a face and descends from there, wider and wider until the face is turned back; leaves
@@ -169,6 +173,9 @@ impl Unfolding<'_> {
         // No further than the fit is somewhere: so the greatest distance stays.
         let reach = self.reach().max(self.pulls.max.min(REACHES[1]));
         for Shake { rings, drag, smoothings } in SHAKES {
+            if near.is_spent() {
+                break;
+            }
             let around = self.around_face(face, rings);
             let before: Vec<DVec3> = around.iter().map(|&v| positions[v as usize]).collect();
             let faces = self.faces_of(&around);
@@ -184,8 +191,8 @@ impl Unfolding<'_> {
                 if !go_on() {
                     return Err(Cancelled);
                 }
-                let mut improve = |v: u32| !near.is_spent() && self.improve(v as usize, positions, near);
-                if around.iter().filter(|&&v| improve(v)).count() == 0 {
+                let moved = around.iter().filter(|&&v| self.improve(v as usize, positions, near)).count();
+                if moved == 0 {
                     break;
                 }
             }
@@ -272,8 +279,11 @@ impl Unfolding<'_> {
         self.fitted.pattern.corners(v).iter().map(|corner| corner / 3).collect()
     }
 
-    /// Moves a vertex where the faces at it are turned less; whether it moved.
+    /// Moves a vertex where the faces at it are turned less, as long as anything may be looked at; whether it moved.
     fn improve(&self, v: usize, positions: &mut [DVec3], near: &mut Near) -> bool {
+        if near.is_spent() {
+            return false;
+        }
         let before = positions[v];
         let faces = self.faces_at(v);
         let least = self.badness(&faces, positions, near);

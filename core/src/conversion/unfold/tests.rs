@@ -111,6 +111,34 @@ fn no_more_is_looked_at_than_is_allowed() {
     assert!(0 < some && some < before && !stays, "{before} {some}");
 }
 
+/// Neither is a shake begun that may look at nothing, nor does one go on once it has looked at all it may: but for what it takes
+/// to see whether it was any good.
+#[test]
+fn a_shake_ends_when_enough_has_been_looked_at() {
+    let (input, coarse) = (ball(5), ball(4));
+    let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
+    let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
+    let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
+    let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
+        panic!("nobody asked to stop")
+    };
+    let swap = |p: &DVec3| if p.distance(DVec3::Z) < 0.3 { DVec3::new(-p.x, p.y, p.z) } else { *p };
+    let swapped: Vec<DVec3> = places.iter().map(swap).collect();
+    let looked_at = |looks: u64| {
+        let unfolding = Unfolding { target: &target, fitted: &fitted, places: &places, pulls: &pulls, looks };
+        let (mut positions, mut near) = (swapped.clone(), unfolding.near());
+        let corners = |f: &[u32; 3]| f.map(|v| swapped[v as usize]);
+        let turned = |f: &[u32; 3]| target.beside(corners(f), &mut target.tree.cursor()).0 <= 0.0;
+        let face = coarse.faces.iter().position(turned).expect("a turned face");
+        assert!(unfolding.shake(face as u32, &mut positions, &mut near, &|| true).is_ok());
+        (near.looked_at(), positions == swapped)
+    };
+    assert_eq!(looked_at(0), (0, true));
+    let (all, _) = looked_at(u64::MAX);
+    let (few, _) = looked_at(1);
+    assert!(20 * few < all, "{few} of {all}");
+}
+
 #[test]
 fn vertices_of_a_boundary_stay_on_it() {
     let coarse = cap(5);
