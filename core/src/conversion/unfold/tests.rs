@@ -131,6 +131,11 @@ fn a_shake_ends_when_enough_has_been_looked_at() {
         let turned = |f: &[u32; 3]| target.beside(corners(f), &mut target.tree.cursor()).0 <= 0.0;
         let face = coarse.faces.iter().position(turned).expect("a turned face");
         assert!(unfolding.shake(face as u32, &mut positions, &mut near, &|| true).is_ok());
+        assert!(
+            looks < 2 || 0 < near.compared && near.compared < near.looked_at(),
+            "{} compared",
+            near.compared
+        );
         (near.looked_at(), positions == swapped)
     };
     assert_eq!(looked_at(0), (0, true));
