@@ -1,6 +1,6 @@
 //! Small files: no larger than asked for, complete, and the better the larger; or as near to a mesh as asked for.
 
-use bozzetto_core::conversion::{ConversionOptions, convert};
+use bozzetto_core::conversion::{ConversionOptions, Remesh, convert};
 use bozzetto_core::file::{Metadata, Model, NoSuchFile, Size, decode, encode, encode_smaller};
 use bozzetto_core::mesh::{CompareOptions, TriangleMesh, compare, shapes};
 use bozzetto_core::surface::{FormOptions, Surface};
@@ -52,6 +52,27 @@ fn a_file_of_so_many_bytes() {
     // With room for everything nothing is lost.
     let (file, smaller) = encode_smaller(&model, Size::Bytes(1 << 20)).expect("enough");
     assert!(file == whole && smaller.surface.hash() == model.surface.hash());
+}
+
+#[test]
+fn prefixes_of_a_surface_of_few_levels_are_near() {
+    // The finer of two levels holds much of the shape: told to the last bit at once, a half would be at 3e-4.
+    let given = ConversionOptions {
+        levels: Some(2),
+        base_faces: Some(60),
+        remesh: Remesh::Always,
+        ..ConversionOptions::default()
+    };
+    let converted = convert(&ball(), &given).expect("a ball");
+    let form = FormOptions::default();
+    let surface = Surface::from_positions(converted.hierarchy, &converted.positions, &form).expect("small");
+    let mesh = surface.to_mesh(surface.finest());
+    let whole = encode(&Model::new(surface, None, Metadata::default()));
+    for (hundredths, most) in [(25, 2e-4), (35, 4e-5), (50, 2e-5)] {
+        let prefix = &whole[..whole.len() * hundredths / 100];
+        let held = distance(&mesh, &decode(prefix, Path::new("prefix.boz")).expect("a prefix"));
+        assert!(held < most, "{hundredths} %: {held}");
+    }
 }
 
 #[test]

@@ -10,6 +10,7 @@ use super::wavelet_file::{Metadata, Model, Parts, encode_parts, finest_stream};
 use crate::mesh::{CompareOptions, TriangleMesh, compare};
 use crate::surface::Surface;
 use crate::wavelet::Filters;
+use std::ops::RangeInclusive;
 use thiserror::Error;
 
 /// How small a file is to be.
@@ -40,7 +41,7 @@ pub enum NoSuchFile {
 }
 
 /// A wavelet file of at most that size, and the surface in it. Cost: writing the whole, and reading and, for a distance,
-/// measuring a part some fifteen times.
+/// measuring a part some six times.
 ///
 /// # Errors
 /// No file can be that small, or none that near.
@@ -64,32 +65,64 @@ pub fn encode_smaller(model: &Model, size: Size) -> Result<(Vec<u8>, Model), NoS
         Size::Psnr(wanted, mesh) => {
             let found = |cut: usize| {
                 let (file, smaller) = cut_to(model, &stream, cut);
-                (psnr(mesh, &smaller.surface), file, smaller)
+                (psnr(mesh, &smaller.surface), (file, smaller))
             };
-            // Doubling, then halving: a prefix costs what it is long.
-            let (mut low, mut high, mut step) = (0, least, least);
-            let mut result = found(high);
-            while result.0 < wanted {
-                if high == stream.bytes.len() {
-                    return Err(NoSuchFile::NotThatNear { best: result.0 });
-                }
-                low = high;
-                high = stream.bytes.len().min(high + step);
-                step *= 2;
-                result = found(high);
-            }
-            while high - low > 1 + high / 500 && high > least {
-                let middle = low.midpoint(high);
-                let nearer = found(middle);
-                if nearer.0 >= wanted {
-                    (result, high) = (nearer, middle);
-                } else {
-                    low = middle;
-                }
-            }
-            Ok((result.1, result.2))
+            let error = 10f64.powf(-wanted / 20.0) * mesh.diagonal() / model.surface.form().placement.step;
+            let cuts = least..=stream.bytes.len();
+            shortest(cuts, first_within(&stream, error), wanted, found)
+                .map_err(|best| NoSuchFile::NotThatNear { best })
         }
     }
+}
+
+/// About how many bytes of a stream bring the error that it tells of down to so many steps.
+fn first_within(stream: &Encoded, error: f64) -> usize {
+    let (mut low, mut high) = (stream.borders[0].position, stream.bytes.len());
+    while low < high {
+        let middle = low.midpoint(high);
+        match stream.error_at(middle) > error {
+            true => low = middle + 1,
+            false => high = middle,
+        }
+    }
+    low
+}
+
+/// What is found at the shortest cut, to a five-hundredth, that is as near as wanted, or how near the longest is. Growing
+/// steps from a guess bracket it; the line through the bracket's ends tells where to look next, or, where one end has
+/// stayed, the middle.
+fn shortest<T>(
+    cuts: RangeInclusive<usize>,
+    guess: usize,
+    wanted: f64,
+    found: impl Fn(usize) -> (f64, T),
+) -> Result<T, f64> {
+    let (mut below, mut above): (Option<(usize, f64)>, Option<(usize, f64, T)>) = (None, None);
+    let (mut at, mut step) = (guess, 1 + guess / 16);
+    let (mut was_near, mut stays) = (None, 0);
+    loop {
+        let (near, what) = found(at);
+        stays = if was_near == Some(near >= wanted) { stays + 1 } else { 0 };
+        was_near = Some(near >= wanted);
+        if near >= wanted {
+            above = Some((at, near, what));
+        } else {
+            below = Some((at, near));
+        }
+        at = match (&below, &above) {
+            (Some((low, near)), None) if low == cuts.end() => return Err(*near),
+            (Some((low, _)), None) => (low + step).min(*cuts.end()),
+            (None, Some((high, ..))) if high > cuts.start() => high.saturating_sub(step).max(*cuts.start()),
+            (Some((low, low_near)), Some((high, high_near, _))) if high - low > 1 + high / 500 => {
+                let share = if stays < 2 { (wanted - low_near) / (high_near - low_near) } else { 0.5 };
+                let middle = low + ((high - low) as f64 * share) as usize;
+                middle.clamp(low + 1, high - 1)
+            }
+            _ => break,
+        };
+        step *= 2;
+    }
+    above.map(|(_, _, what)| what).ok_or(f64::NEG_INFINITY)
 }
 
 /// The file that holds the first bytes of a stream, and the surface that these hold.

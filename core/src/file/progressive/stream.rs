@@ -8,7 +8,7 @@ mod choice;
 mod errors;
 
 pub(in crate::file) use self::choice::Granularity;
-use self::choice::{Choice, coarsest, noise};
+use self::choice::{Choice, coarsest, last_plane};
 use self::errors::Ruler;
 use super::butterfly::{Curves, bends};
 use super::finish::{self, finish};
@@ -392,7 +392,7 @@ pub(in crate::file) fn encode_stream(surface: &Surface, coding: Coding, granular
         _ => transform.analyse(surface.scaling(finest)),
     };
     let mut truth = Truth { base, local };
-    let noise = noise(truth.local.last());
+    let last_plane = last_plane(truth.local.last());
     let mut state = State::new(transform);
     state.base_plane =
         if finest == Level::BASE { 0 } else { u32::from(surface.form().precision).saturating_sub(6) };
@@ -406,7 +406,7 @@ pub(in crate::file) fn encode_stream(surface: &Surface, coding: Coding, granular
     loop {
         let candidates = state.candidates();
         let Some(&(first, plane)) = candidates.first() else { break };
-        finishing |= matches!(first, Step::Refine(j, _) if j + 1 == finest.index() && plane <= noise);
+        finishing |= matches!(first, Step::Refine(j, _) if j + 1 == finest.index() && plane <= last_plane);
         let choice =
             if finishing { coarsest(&candidates) } else { Choice { index: 0, count: 1, finish: false } };
         // What comes next is long.
