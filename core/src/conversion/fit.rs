@@ -45,6 +45,15 @@ const UNFOLD: f64 = 5.0;
 /// Weight by which a vertex that is not free is held.
 const HELD: f64 = 1e6;
 
+/// What evens a surface out along itself.
+#[derive(Clone, Copy)]
+pub(super) struct Smoothing<'a> {
+    /// Against that of the samples.
+    pub(super) weight: f64,
+    /// Where vertices are drawn to; by default the middle of their neighbours.
+    pub(super) there: Option<&'a [DVec3]>,
+}
+
 /// What the faces of a fitted surface are like.
 #[derive(Clone, Copy)]
 pub(super) struct Faces<'a> {
@@ -93,7 +102,8 @@ pub(super) fn fit(
         }
         let faces = Faces { normals: &pulls.normals, turned: &turned };
         let blocks = pulls.face_blocks((target, fitted), &positions, &boosts);
-        let delta = solve(fitted, &positions, &blocks, faces, rules.smoothing, &|_| true, &go_on)?;
+        let smoothing = Smoothing { weight: rules.smoothing, there: None };
+        let delta = solve(fitted, &positions, &blocks, faces, smoothing, &|_| true, &go_on)?;
         positions = guarded(fitted, &positions, &delta, &pulls.normals);
     }
     let (_, best) = best.expect("the last iterate was looked at closely");
@@ -109,7 +119,7 @@ pub(super) fn solve(
     positions: &[DVec3],
     blocks: &[FaceBlocks],
     faces: Faces,
-    smoothing: f64,
+    smoothing: Smoothing,
     free: &(dyn Fn(usize) -> bool + Sync),
     go_on: &dyn Fn() -> bool,
 ) -> Result<Vec<DVec3>, Cancelled> {
@@ -120,8 +130,9 @@ pub(super) fn solve(
             return (block, DVec3::ZERO);
         }
         let (tangent, to_mean) = along_surface(fitted, positions, faces.normals, v);
+        let way = smoothing.there.map_or(to_mean, |there| there[v] - positions[v]);
         let folded = fitted.pattern.corners(v).iter().any(|&c| faces.turned[c as usize / 3]);
-        let weight = smoothing * if folded { UNFOLD } else { 1.0 };
+        let weight = smoothing.weight * if folded { UNFOLD } else { 1.0 };
         let mut block = Symmetric::default();
         block.add(&tangent, weight);
         // A trace across the surface keeps vertices no sample sees in place.
@@ -129,7 +140,7 @@ pub(super) fn solve(
         if let Some(stiffness) = fitted.held.stiffness(v, positions) {
             block.add(&stiffness, 1.0);
         }
-        (block, tangent.times(to_mean) * weight)
+        (block, tangent.times(way) * weight)
     };
     let system = System::assemble(&fitted.pattern, blocks, own);
     let mut delta = system.solve(SOLVER.0, SOLVER.1, go_on).ok_or(Cancelled)?;

@@ -69,6 +69,29 @@ impl Held {
         held
     }
 
+    /// The vertices of the finest level on sharp edges of the base mesh, each within its base edge as that runs through
+    /// positions; its ends keep their places.
+    pub(super) fn on_own_curves(hierarchy: &Hierarchy, positions: &[DVec3]) -> Self {
+        let (base, layout) = (hierarchy.base(), hierarchy.layout(hierarchy.finest()));
+        let mut held = Self { holds: vec![Hold::Free; positions.len()], chains: Vec::new() };
+        let n = layout.segments();
+        for edge in (0..base.edges().len() as u32).filter(|&e| base.is_sharp(e)) {
+            let slots: Vec<u32> = (0..=n).map(|t| layout.slot(layout.along_edge(edge, t)).0).collect();
+            let points = slots.iter().map(|&slot| positions[slot as usize].to_array()).collect();
+            let row = TriangleMesh::new(points, Vec::new());
+            let Some(chain) = curves(&row, &[(0..=n).collect()]) else { continue };
+            for near in slots.windows(3) {
+                let chain = held.chains.len() as u32;
+                held.holds[near[1] as usize] = Hold::Along { chain, near: [near[0], near[2]] };
+            }
+            held.chains.push(chain);
+            for t in [0, n as usize] {
+                held.holds[slots[t] as usize] = Hold::Fixed;
+            }
+        }
+        held
+    }
+
     /// One vertex of so many that keeps its place.
     #[cfg(test)]
     pub(super) fn fixing(v: usize, count: usize) -> Self {

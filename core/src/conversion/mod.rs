@@ -1,5 +1,6 @@
 //! Any mesh or picture to a hierarchy with positions.
 
+mod along;
 mod approach;
 mod base_flips;
 pub mod clean;
@@ -40,6 +41,7 @@ mod warp;
 mod watch;
 mod working_mesh;
 
+pub use along::{Goal, move_along};
 pub use convert::{ConversionError, ConversionOptions, Converted, Remesh, convert, convert_with_progress};
 pub use globe::{EquirectangularGrid, GlobeError, GridMeaning, globe};
 pub use symmetry::Axis;

@@ -2,7 +2,7 @@
 //!
 //! Guarantees: sums are taken in an order that does not depend on threads.
 
-use super::fit::{Faces, guarded, solve, turned_faces};
+use super::fit::{Faces, Smoothing, guarded, solve, turned_faces};
 use super::fitted::Fitted;
 use super::mend::Mending;
 use super::normal_equations::FaceBlocks;
@@ -314,7 +314,7 @@ impl Patch {
             at,
             &blocks,
             faces,
-            smoothing,
+            Smoothing { weight: smoothing, there: None },
             &|v| self.free[v] && active[self.part[v] as usize],
             go_on,
         )?;

@@ -366,7 +366,7 @@ const FITTED: f32 = 0.8;
 
 /// Where the model lies; the work is done in a box of diagonal 1 around 0, or about where its mirror plane is x = 0.
 #[derive(Debug, Clone, Copy)]
-struct Frame {
+pub(super) struct Frame {
     centre: DVec3,
     diagonal: f64,
     /// Which axis of the model is x.
@@ -374,7 +374,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn around(mesh: &TriangleMesh) -> Option<Self> {
+    pub(super) fn around(mesh: &TriangleMesh) -> Option<Self> {
         let bounds = mesh.bounds()?;
         let (min, max) = (DVec3::from(bounds.min), DVec3::from(bounds.max));
         let diagonal = bounds.diagonal();
@@ -392,16 +392,18 @@ impl Frame {
         self
     }
 
-    fn into_unit(self, mesh: &TriangleMesh) -> TriangleMesh {
-        let unit = |&p: &[f64; 3]| {
-            let mut unit = ((DVec3::from(p) - self.centre) / self.diagonal).to_array();
-            unit.rotate_left(self.first);
-            unit
-        };
-        TriangleMesh { positions: mesh.positions.iter().map(unit).collect(), ..mesh.clone() }
+    pub(super) fn into_unit(self, mesh: &TriangleMesh) -> TriangleMesh {
+        let positions = mesh.positions.iter().map(|&p| self.to_unit(p).to_array()).collect();
+        TriangleMesh { positions, ..mesh.clone() }
     }
 
-    fn to_model(self, p: DVec3) -> [f64; 3] {
+    pub(super) fn to_unit(self, p: [f64; 3]) -> DVec3 {
+        let mut unit = ((DVec3::from(p) - self.centre) / self.diagonal).to_array();
+        unit.rotate_left(self.first);
+        unit.into()
+    }
+
+    pub(super) fn to_model(self, p: DVec3) -> [f64; 3] {
         let mut turned = p.to_array();
         turned.rotate_right(self.first);
         (DVec3::from(turned) * self.diagonal + self.centre).to_array()

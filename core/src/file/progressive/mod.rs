@@ -7,10 +7,12 @@ mod finish;
 mod frames;
 mod planes;
 mod range_coder;
+mod straightened;
 mod stream;
 mod transform;
 mod visit;
 
 pub(super) use connectivity::{decode_base, encode_base};
+pub(super) use straightened::Straightened;
 pub(super) use stream::{Border, Decoded, Encoded, Granularity, Held, decode_stream, encode_stream};
 pub(super) use transform::Coding;

@@ -41,14 +41,16 @@ impl Coding {
         }
     }
 
+    /// The wavelet whose update the butterfly scheme has in a stream of a surface with a given one.
+    pub(super) fn smooth_update(own: Wavelet) -> Wavelet {
+        if own == Wavelet::Lazy { Wavelet::Disc(0) } else { own }
+    }
+
     /// The butterfly scheme with the surface's own update, or with the 0-disc one where that is lazy; the surface's own
     /// transform where its coefficients have fewer bits, as those of flat faces without marked edges. `O(n_J)`.
     pub(in crate::file) fn best(surface: &Surface) -> Self {
         let hierarchy = surface.hierarchy();
-        let coding = Coding::Butterfly(match surface.form().wavelet {
-            Wavelet::Lazy => Wavelet::Disc(0),
-            disc => disc,
-        });
+        let coding = Coding::Butterfly(Self::smooth_update(surface.form().wavelet));
         let others =
             coding.filters(hierarchy, surface.form().wavelet).expect("small systems, or solved before");
         let filters = others.as_ref().unwrap_or_else(|| surface.filters());
