@@ -1,5 +1,6 @@
 //! Opening files, for command line and editor alike.
 
+pub(crate) mod compact;
 mod stages;
 
 pub(crate) use stages::Stage;

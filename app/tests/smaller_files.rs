@@ -45,6 +45,37 @@ fn a_file_as_near_as_asked_for() {
 }
 
 #[test]
+fn a_compact_import_is_smaller_than_one_for_editing() {
+    let work = Workplace::new();
+    let mut mesh = models::wavy_ball(3);
+    let split = mesh.faces.pop().expect("faces");
+    let middle = [0, 1, 2].map(|k| split.map(|v| mesh.positions[v as usize][k]).iter().sum::<f64>() / 3.0);
+    let m = mesh.positions.len() as u32;
+    mesh.positions.push(middle);
+    mesh.faces.extend((0..3).map(|k| [split[k], split[(k + 1) % 3], m]));
+    work.write("scan.obj", models::obj(&mesh));
+    let import =
+        |output: &str, more: &[&str]| work.json(&[&["import", "scan.obj", "-o", output][..], more].concat());
+    let edit = import("edit.boz", &["--psnr", "48"]);
+    let compact = import("compact.boz", &["--purpose", "compact", "--psnr", "48"]);
+    assert_eq!(edit["tried"], 1);
+    assert!(compact["tried"].as_u64() > Some(3), "{compact}");
+    let length = |name: &str| work.read(name).len();
+    assert!(10 * length("compact.boz") < 9 * length("edit.boz"), "{compact} after {edit}");
+    let psnr = work.json(&["compare", "scan.obj", "compact.boz"])["psnr"].as_f64().expect("a number");
+    assert!((48.0..49.0).contains(&psnr), "{psnr} dB");
+    let bytes = length("compact.boz").to_string();
+    let again = import("again.boz", &["--purpose", "compact", "--bytes", &bytes]);
+    assert!(length("again.boz") <= length("compact.boz"));
+    assert!(again["rms"].as_f64() < Some(1.25 * compact["rms"].as_f64().expect("a number")), "{again}");
+    let fixed =
+        import("fixed.boz", &["--purpose", "compact", "--psnr", "45", "--wavelet", "1", "--levels", "2"]);
+    assert_eq!((&fixed["levels"], &fixed["wavelet"]), (&2.into(), &"1".into()), "{fixed}");
+    let refused = ["import", "scan.obj", "-o", "no.boz", "--purpose", "compact", "--tolerance", "1e-3"];
+    work.refuses(&refused, &["--tolerance", "--psnr"]);
+}
+
+#[test]
 fn the_curve_falls_to_nothing() {
     let work = Workplace::new();
     ball_boz(&work);

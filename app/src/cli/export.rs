@@ -86,8 +86,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let mut file = None;
     if args.size.is_given() {
         let mesh = model.surface.to_mesh(model.surface.finest());
-        let (bytes, smaller) = args.size.shrink(&model, &mesh).with_context(name)?;
-        (file, model) = (Some(bytes), smaller);
+        if let Some((bytes, smaller)) = args.size.shrink(&model, &mesh).with_context(name)? {
+            (file, model) = (Some(bytes), smaller);
+        }
     }
     let level = existing_level(&model.surface, args.level).with_context(name)?;
     if format.is_none() && !lossy {

@@ -8,9 +8,9 @@ use clap::ValueEnum;
 /// Wavelet, scheme, precision and placement.
 #[derive(Debug, clap::Args)]
 pub(super) struct FormArgs {
-    /// Which wavelets: lazy, 0, 1 or 2 (the disc's radius).
-    #[arg(long, default_value = "2")]
-    wavelet: WaveletArg,
+    /// Which wavelets: lazy, 0, 1 or 2 (the disc's radius); 2 by default.
+    #[arg(long)]
+    wavelet: Option<WaveletArg>,
     /// How odd vertices are predicted.
     #[arg(long, default_value = "linear")]
     scheme: SchemeArg,
@@ -59,6 +59,11 @@ enum UnitArg {
 }
 
 impl FormArgs {
+    /// Whether wavelets are named.
+    pub(super) fn names_wavelet(&self) -> bool {
+        self.wavelet.is_some()
+    }
+
     /// As options of the core.
     ///
     /// # Errors
@@ -69,10 +74,10 @@ impl FormArgs {
         }
         Ok(FormOptions {
             wavelet: match self.wavelet {
-                WaveletArg::Lazy => Wavelet::Lazy,
-                WaveletArg::Zero => Wavelet::Disc(0),
-                WaveletArg::One => Wavelet::Disc(1),
-                WaveletArg::Two => Wavelet::Disc(2),
+                Some(WaveletArg::Lazy) => Wavelet::Lazy,
+                Some(WaveletArg::Zero) => Wavelet::Disc(0),
+                Some(WaveletArg::One) => Wavelet::Disc(1),
+                Some(WaveletArg::Two) | None => Wavelet::Disc(2),
             },
             scheme: Scheme::Linear,
             precision: self.precision,

@@ -6,12 +6,13 @@ use super::output;
 use super::progress::Progress;
 use super::size::SizeArgs;
 use crate::figures::tolerance;
-use crate::opening::{ImportOptions, import_file};
+use crate::opening::{ImportOptions, Imported, MeshSource, compact, import_file};
 use crate::report::report;
 use anyhow::{Result, bail};
 use bozzetto_core::conversion::{Axis, ConversionOptions, Remesh};
-use bozzetto_core::file::encode;
+use bozzetto_core::file::{Size, encode};
 use bozzetto_core::mesh::{CompareOptions, compare};
+use bozzetto_core::wavelet::Wavelet;
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -25,7 +26,7 @@ use std::path::{Path, PathBuf};
     Example: bozzetto import part.stl -o part.boz --up z --unit mm --tolerance 1e-3 --report part.html\n\
     Example: bozzetto import scan.ply -o scan.boz --levels 5 --base-faces 500 --json\n\
     Example: bozzetto import bust.ply -o bust.boz --symmetric x\n\
-    Example: bozzetto import scan.ply -o small.boz --levels 5 --base-faces 60 --precision 18 --psnr 65"
+    Example: bozzetto import scan.ply -o small.boz --purpose compact --psnr 65"
 )]
 pub(super) struct Args {
     /// The mesh: .obj, .ply, .stl, .glb or .off.
@@ -57,6 +58,11 @@ pub(super) struct Args {
     /// Upper limit of base faces; chosen from the mesh if left out.
     #[arg(long, value_name = "N")]
     base_faces: Option<usize>,
+    /// What the file is for: edit chooses base mesh and levels for handles and distance and keeps every detail; compact tries
+    /// base meshes, levels and wavelets for the smallest file at --psnr, or the nearest in --bytes, and is at 75 decibels if
+    /// neither is given.
+    #[arg(long, default_value = "edit")]
+    purpose: PurposeArg,
     #[command(flatten)]
     size: SizeArgs,
     /// Write a report beside it: one HTML file with pictures, distances, repairs, settings and times.
@@ -82,6 +88,12 @@ enum RemeshArg {
     Auto,
     Always,
     Never,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum PurposeArg {
+    Edit,
+    Compact,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -114,6 +126,52 @@ impl Args {
             form: self.form.options()?,
         })
     }
+
+    /// Imports the mesh for the purpose.
+    fn make(&self, progress: &Progress) -> Result<Made> {
+        let options = self.options()?;
+        if self.purpose == PurposeArg::Compact {
+            return self.make_compact(&options, progress);
+        }
+        let (source, mut imported) =
+            import_file(&self.mesh, &options, &|stage, done| progress.report(stage.share(done)))?;
+        let bytes = match self.size.shrink(&imported.model, &source.mesh)? {
+            Some((bytes, smaller)) => {
+                let mesh = smaller.surface.to_mesh(smaller.surface.finest());
+                let measured = compare(&source.mesh, &mesh, &CompareOptions::default(), &|_| true)?;
+                imported.model = smaller;
+                imported.distance = [measured.rms, measured.max];
+                imported.measured = Some(measured);
+                bytes
+            }
+            None => encode(&imported.model),
+        };
+        Ok(Made { source, imported, options, bytes, tried: 1 })
+    }
+
+    fn make_compact(&self, options: &ImportOptions, progress: &Progress) -> Result<Made> {
+        let source = MeshSource::read(&self.mesh, &|stage, done| progress.report(stage.share(done)))?;
+        let wavelets: &[Wavelet] = match self.form.names_wavelet() {
+            true => &[],
+            false => &[Wavelet::Disc(0), Wavelet::Disc(1), Wavelet::Disc(2)],
+        };
+        let size = self.size.to(&source.mesh).unwrap_or(Size::Psnr(compact::DECIBELS, &source.mesh));
+        let found =
+            compact::import_compact(&source, options, wavelets, size, &|share| progress.report(share))?;
+        let compact::Compact { imported, options, bytes, tried } = found;
+        Ok(Made { source, imported, options, bytes, tried })
+    }
+}
+
+/// An import and the file that it becomes.
+struct Made {
+    source: MeshSource,
+    imported: Imported,
+    /// As asked for, or as chosen.
+    options: ImportOptions,
+    bytes: Vec<u8>,
+    /// How many surfaces were tried.
+    tried: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -125,6 +183,8 @@ struct Report {
     rms: f64,
     max: f64,
     tolerance_met: Option<bool>,
+    /// How many surfaces were tried.
+    tried: usize,
 }
 
 impl Report {
@@ -134,6 +194,9 @@ impl Report {
             vec![format!("distance     rms {:.2e}, max {:.2e} of the diagonal", self.rms, self.max)];
         lines.extend(self.cleaned.iter().map(|sentence| format!("cleaned      {sentence}")));
         lines.extend(demanded.map(|demanded| format!("tolerance    {}", tolerance(self.max, demanded))));
+        if self.tried > 1 {
+            lines.push(format!("chosen       of {} surfaces tried", self.tried));
+        }
         lines.push(format!("written      {} in {:.1} s", written.display(), self.seconds));
         self.info.text() + &lines.join("\n") + "\n"
     }
@@ -148,10 +211,13 @@ pub(super) fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.report {
         check_report(path)?;
     }
-    let options = args.options()?;
+    if args.purpose == PurposeArg::Compact && args.tolerance.is_some() {
+        bail!(
+            "--tolerance is not kept by --purpose compact, which leaves detail out; say --psnr instead, or --purpose edit"
+        );
+    }
     let progress = Progress::new("Importing");
-    let (source, mut imported) =
-        import_file(&args.mesh, &options, &|stage, done| progress.report(stage.share(done)))?;
+    let Made { source, imported, options, bytes, tried } = args.make(&progress)?;
     let base_faces = imported.model.surface.hierarchy().base().faces().len();
     if let Some(limit) = args.base_faces.filter(|&limit| base_faces > limit) {
         bail!(
@@ -159,17 +225,6 @@ pub(super) fn run(args: &Args) -> Result<()> {
             args.mesh.display()
         );
     }
-    let bytes = if args.size.is_given() {
-        let (bytes, smaller) = args.size.shrink(&imported.model, &source.mesh)?;
-        let mesh = smaller.surface.to_mesh(smaller.surface.finest());
-        let measured = compare(&source.mesh, &mesh, &CompareOptions::default(), &|_| true)?;
-        imported.model = smaller;
-        imported.distance = [measured.rms, measured.max];
-        imported.measured = Some(measured);
-        bytes
-    } else {
-        encode(&imported.model)
-    };
     let model = &imported.model;
     let [rms, max] = imported.distance;
     let name = args.output.file_name().unwrap_or_default().to_string_lossy();
@@ -185,6 +240,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         rms,
         max,
         tolerance_met: args.tolerance.map(|tolerance| max <= tolerance),
+        tried,
     };
     drop(progress);
     if args.json {

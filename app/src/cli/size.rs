@@ -22,16 +22,18 @@ impl SizeArgs {
         self.bytes.is_some() || self.psnr.is_some()
     }
 
-    /// The file of that size and the surface in it; distances are those to a mesh.
+    /// The size, if one is asked for; distances are those to a mesh.
+    pub(super) fn to<'m>(&self, original: &'m TriangleMesh) -> Option<Size<'m>> {
+        let near = self.psnr.map(|decibels| Size::Psnr(decibels, original));
+        self.bytes.map(Size::Bytes).or(near)
+    }
+
+    /// The file of that size and the surface in it, if a size is asked for; distances are those to a mesh.
     ///
     /// # Errors
     /// There is no such file.
-    pub(super) fn shrink(&self, model: &Model, original: &TriangleMesh) -> Result<(Vec<u8>, Model)> {
-        let size = match (self.bytes, self.psnr) {
-            (Some(bytes), _) => Size::Bytes(bytes),
-            (None, psnr) => Size::Psnr(psnr.unwrap_or_default(), original),
-        };
-        Ok(encode_smaller(model, size)?)
+    pub(super) fn shrink(&self, model: &Model, original: &TriangleMesh) -> Result<Option<(Vec<u8>, Model)>> {
+        Ok(self.to(original).map(|size| encode_smaller(model, size)).transpose()?)
     }
 }
 

@@ -4,7 +4,7 @@ use bozzetto_core::mesh::shapes;
 use std::cell::RefCell;
 
 /// A file with a mesh that has no subdivision connectivity: a ball whose last face is split at its middle.
-fn irregular(folder: &Path) -> std::path::PathBuf {
+pub(super) fn irregular(folder: &Path) -> std::path::PathBuf {
     let mut mesh = shapes::subdivide(&shapes::octahedron(), 3);
     for p in &mut mesh.positions {
         let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
