@@ -149,7 +149,8 @@ pub fn remesh(
     let input = cleaned.to_mesh();
     let mut frame = Frame::around(&input).ok_or(RemeshError::Empty)?;
     if let Some(axis) = options.symmetric {
-        frame = frame.about(axis, mirror_plane(&input, axis)?);
+        let plane = mirror_plane(&input, axis, &|| progress(Phase::Clean, 0.0))?;
+        frame = frame.about(axis, plane);
     }
     let mut prepared = Prepared::new(frame.into_unit(&input), cleaned.connectivity, progress)?;
     if let Some(axis) = options.symmetric {
