@@ -26,8 +26,13 @@ fn main() {
         ..RemeshOptions::default()
     };
     let phases: RefCell<Vec<(Phase, Instant)>> = RefCell::new(Vec::new());
+    // The longest time between two questions whether to go on, and the phase that had begun.
+    let waits = RefCell::new((Instant::now(), Phase::Clean, Vec::<(f64, Phase)>::new()));
     let start = Instant::now();
     let result = remesh(&mesh, &options, &|phase, _| {
+        let (last, before, longest) = &mut *waits.borrow_mut();
+        longest.push((last.elapsed().as_secs_f64(), *before));
+        (*last, *before) = (Instant::now(), phase);
         let mut phases = phases.borrow_mut();
         if phases.last().is_none_or(|last| last.0 != phase) {
             phases.push((phase, Instant::now()));
@@ -64,6 +69,12 @@ fn main() {
         base.sharp_edges().len()
     );
     println!("  {:.2} s: {}; cleaned {:?}", (end - start).as_secs_f64(), timings.join(", "), result.cleaned);
+    let (last, before, mut longest) = waits.into_inner();
+    longest.push((end.duration_since(last).as_secs_f64(), before));
+    longest.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let longest: Vec<String> =
+        longest.iter().take(8).map(|(seconds, phase)| format!("{phase:?} {:.0} ms", seconds * 1e3)).collect();
+    println!("  longest waits for an answer to whether to go on: {}", longest.join(", "));
     println!(
         "  rms {:.3e} max {:.3e} | ab {:.2e} {:.2e} ba {:.2e} {:.2e}",
         measured.rms,

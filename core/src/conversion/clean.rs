@@ -4,8 +4,9 @@
 //! tolerance; the same input gives the same result.
 //! Non-guarantees: holes are not filled, self-intersections and slivers of distinct corners stay.
 
-use crate::mesh::TriangleMesh;
+use super::simplify::Cancelled;
 use crate::mesh::connectivity::{Connectivity, NotManifold};
+use crate::mesh::{Abandoned, TriangleMesh};
 use cut::{cut, edges_of_many};
 use disjoint_sets::DisjointSets;
 use glam::DVec3;
@@ -121,6 +122,19 @@ impl Cleaned {
 ///
 /// Panics if a face refers to a vertex that does not exist.
 pub fn clean(mesh: &TriangleMesh, weld: f64) -> Option<Cleaned> {
+    clean_while(mesh, weld, &|| true).unwrap_or(None)
+}
+
+/// [`clean`], asking after some hundredths of a second each time whether to go on.
+///
+/// # Errors
+/// The answer was no.
+pub(super) fn clean_while(
+    mesh: &TriangleMesh,
+    weld: f64,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Option<Cleaned>, Cancelled> {
+    let ask = || if go_on() { Ok(()) } else { Err(Cancelled) };
     let mut report = CleanReport::default();
     let mut used = vec![false; mesh.positions.len()];
     mesh.faces.iter().flatten().for_each(|&v| used[v as usize] = true);
@@ -131,15 +145,17 @@ pub fn clean(mesh: &TriangleMesh, weld: f64) -> Option<Cleaned> {
         false => weld::equal(&mesh.positions, &used),
     };
     report.welded = (0u32..).zip(&merged).filter(|(v, other)| v != *other).count();
+    ask()?;
     let marks = Marks::new(mesh, &merged);
     let mut faces: Vec<[u32; 3]> = mesh.faces.iter().map(|f| f.map(|v| merged[v as usize])).collect();
-    drop_degenerate_and_doubled(&mut faces, &mut report);
+    drop_degenerate_and_doubled(&mut faces, &mut report, &ask)?;
 
     let mut positions = mesh.positions.clone();
     for _ in 0..LAST_RESORT_ROUNDS {
-        if !cut(&mut positions, &mut faces, &mut report) {
+        if !cut(&mut positions, &mut faces, &mut report, &ask)? {
             break;
         }
+        ask()?;
         let obstacles = edges_of_many(&faces);
         if obstacles.is_empty() {
             break;
@@ -150,19 +166,22 @@ pub fn clean(mesh: &TriangleMesh, weld: f64) -> Option<Cleaned> {
         faces.retain(|_| !obstacles.contains(&at.next().expect("the count has no end")));
         report.dropped += before - faces.len();
     }
+    ask()?;
     drop_islands(&positions, &mut faces, &mut report);
     if faces.is_empty() {
-        return None;
+        return Ok(None);
     }
     // Cutting leaves a manifold; should it ever not, the faces in the way are dropped one place at a time.
     while !faces.is_empty() {
+        ask()?;
         let (positions, numbered) = compact(&positions, &faces);
-        match Connectivity::build(positions.len() as u32, numbered.clone()) {
-            Ok(connectivity) => {
+        match Connectivity::build_while(positions.len() as u32, numbered.clone(), go_on) {
+            Err(Abandoned) => return Err(Cancelled),
+            Ok(Ok(connectivity)) => {
                 let sharp_edges = marks.found(&positions, &connectivity);
-                return Some(Cleaned { positions, connectivity, sharp_edges, report });
+                return Ok(Some(Cleaned { positions, connectivity, sharp_edges, report }));
             }
-            Err(obstacle) => {
+            Ok(Err(obstacle)) => {
                 let mut kept = numbered.iter().map(|face| !stands_in_the_way(face, &obstacle, &numbered));
                 let before = faces.len();
                 faces.retain(|_| kept.next().expect("as many as faces"));
@@ -170,8 +189,14 @@ pub fn clean(mesh: &TriangleMesh, weld: f64) -> Option<Cleaned> {
             }
         }
     }
-    None
+    Ok(None)
 }
+
+/// Whether to go on.
+type Ask<'a> = &'a dyn Fn() -> Result<(), Cancelled>;
+
+/// Faces or corners that are gone through between two questions.
+const STRIDE: usize = 1 << 17;
 
 fn stands_in_the_way(face: &[u32; 3], obstacle: &NotManifold, faces: &[[u32; 3]]) -> bool {
     match *obstacle {
@@ -185,19 +210,34 @@ fn stands_in_the_way(face: &[u32; 3], obstacle: &NotManifold, faces: &[[u32; 3]]
     }
 }
 
-fn drop_degenerate_and_doubled(faces: &mut Vec<[u32; 3]>, report: &mut CleanReport) {
+fn drop_degenerate_and_doubled(
+    faces: &mut Vec<[u32; 3]>,
+    report: &mut CleanReport,
+    ask: Ask<'_>,
+) -> Result<(), Cancelled> {
     let mut seen = FxHashSet::default();
-    faces.retain(|&[a, b, c]| {
+    let mut kept = 0;
+    for at in 0..faces.len() {
+        if at.is_multiple_of(STRIDE) {
+            ask()?;
+        }
+        let face = faces[at];
+        let [a, b, c] = face;
         if a == b || b == c || c == a {
             report.degenerate += 1;
-            return false;
+            continue;
         }
-        let mut key = [a, b, c];
+        let mut key = face;
         key.sort_unstable();
-        let fresh = seen.insert(key);
-        report.doubled += usize::from(!fresh);
-        fresh
-    });
+        if seen.insert(key) {
+            faces[kept] = face;
+            kept += 1;
+        } else {
+            report.doubled += 1;
+        }
+    }
+    faces.truncate(kept);
+    Ok(())
 }
 
 fn drop_islands(positions: &[[f64; 3]], faces: &mut Vec<[u32; 3]>, report: &mut CleanReport) {

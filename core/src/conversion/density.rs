@@ -6,6 +6,7 @@
 
 use super::creases::Creases;
 use super::parameterise::OnFace;
+use super::simplify::Cancelled;
 use crate::mesh::connectivity::{Connectivity, NONE};
 use crate::mesh::{BoundingVolumes, FaceIndex, TriangleMesh};
 use glam::DVec3;
@@ -31,13 +32,29 @@ pub(super) struct Density {
 }
 
 impl Density {
-    /// The density for an approximation by `faces` faces with edges along the creases. Linear in the mesh.
+    /// [`Density::new_while`] to the end.
+    #[cfg(test)]
     pub(super) fn new(
         mesh: &TriangleMesh,
         connectivity: &Connectivity,
         faces: f64,
         creases: &Creases,
     ) -> Self {
+        Self::new_while(mesh, connectivity, faces, creases, &|| true).expect("nobody asked to stop")
+    }
+
+    /// The density for an approximation by `faces` faces with edges along the creases. Linear in the mesh. `go_on` is asked
+    /// after some hundredths of a second each time.
+    ///
+    /// # Errors
+    /// The answer was no.
+    pub(super) fn new_while(
+        mesh: &TriangleMesh,
+        connectivity: &Connectivity,
+        faces: f64,
+        creases: &Creases,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Self, Cancelled> {
         let corner = |v: u32| DVec3::from(mesh.positions[v as usize]);
         let doubled: Vec<DVec3> = mesh
             .faces
@@ -72,6 +89,9 @@ impl Density {
         let rounds =
             (FEWEST_ROUNDS * mesh.faces.len() as f64 / faces).clamp(FEWEST_ROUNDS, MOST_ROUNDS) as usize;
         for _ in 0..rounds {
+            if !go_on() {
+                return Err(Cancelled);
+            }
             bends = spread(mesh, &bends);
             // The areas are spread with them, so that their ratio stays a mean.
             areas = spread(mesh, &areas);
@@ -91,7 +111,7 @@ impl Density {
         if sum > 0.0 {
             at.iter_mut().for_each(|d| *d *= total / sum);
         }
-        Self { own: at.clone(), at, areas }
+        Ok(Self { own: at.clone(), at, areas })
     }
 }
 

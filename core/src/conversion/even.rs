@@ -9,7 +9,7 @@
 use super::domain::{Address, Domain, HEIGHT, end_of_way};
 use super::lattice::{Lattice, Places};
 use super::parameterise::OnFace;
-use super::simplify::Cancelled;
+use super::simplify::{Cancelled, ask};
 use super::walk::Ground;
 use super::warp::{Warp, row_index, steps};
 use crate::hierarchy::{Level, Site, Slot};
@@ -73,10 +73,11 @@ impl Evening<'_> {
                     return Err(Cancelled);
                 }
                 if round > 0 && round % TRUE_UP == 0 {
-                    places = self.true_places(lattice);
+                    places = self.true_places(lattice, progress)?;
                     slope = self.slope(lattice, &warp, &places);
                 }
                 let (addresses, points) = self.slid(lattice, &warp, &places, &slope.ways, length);
+                ask(progress)?;
                 let next = Places::of(self.ground, self.density, points);
                 let after = self.slope(lattice, &warp, &next);
                 if after.energy < slope.energy {
@@ -87,14 +88,14 @@ impl Evening<'_> {
                     length *= SHORTEN;
                 }
             }
-            places = self.true_places(lattice);
+            places = self.true_places(lattice, progress)?;
         }
         Ok(places)
     }
 
     /// Where the vertices really are.
-    pub(super) fn true_places(&self, lattice: &Lattice) -> Places {
-        Places::of(self.ground, self.density, lattice.points(self.domain))
+    fn true_places(&self, lattice: &Lattice, go_on: &dyn Fn() -> bool) -> Result<Places, Cancelled> {
+        Ok(Places::of(self.ground, self.density, lattice.points(self.domain, go_on)?))
     }
 
     fn slope(&self, lattice: &Lattice, warp: &Warp, places: &Places) -> Slope {

@@ -7,7 +7,7 @@
 use super::fitted::Fitted;
 use super::normal_equations::{FaceBlocks, Symmetric, System};
 use super::pulls::{Boosts, Look, Pulls};
-use super::simplify::Cancelled;
+use super::simplify::{Cancelled, ask};
 use super::target::Target;
 use super::watch::Watch;
 use glam::DVec3;
@@ -101,7 +101,9 @@ pub(super) fn fit(
             boost(&mut boosts, &pulls);
         }
         let faces = Faces { normals: &pulls.normals, turned: &turned };
+        ask(&go_on)?;
         let blocks = pulls.face_blocks((target, fitted), &positions, &boosts);
+        ask(&go_on)?;
         let smoothing = Smoothing { weight: rules.smoothing, there: None };
         let delta = solve(fitted, &positions, &blocks, faces, smoothing, &|_| true, &go_on)?;
         positions = guarded(fitted, &positions, &delta, &pulls.normals);

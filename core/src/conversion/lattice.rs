@@ -7,6 +7,7 @@ use super::curves::Curves;
 use super::domain::{Address, Domain, sorted};
 use super::fitted::Fitted;
 use super::parameterise::OnFace;
+use super::simplify::{Cancelled, ask};
 use super::walk::Ground;
 use super::warp::{cell, row_index};
 use crate::hierarchy::{BaseMesh, Hierarchy, Layout, Level, Site, Slot};
@@ -14,6 +15,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
+
+/// Places that are looked up between two questions whether to go on.
+const BATCH: usize = 1 << 14;
 
 /// Vertices of the finest level over the domain.
 pub(super) struct Lattice {
@@ -75,9 +79,17 @@ impl Lattice {
         &self.slots[face * per_face..(face + 1) * per_face]
     }
 
-    /// The exact places on the input. Parallel; see [`Domain::on_input`].
-    pub(super) fn points(&self, domain: &Domain) -> Vec<OnFace> {
-        self.addresses.par_iter().map(|&address| domain.on_input(address)).collect()
+    /// The exact places on the input. Parallel; see [`Domain::on_input`]. `go_on` is asked some times a second.
+    ///
+    /// # Errors
+    /// The answer was no.
+    pub(super) fn points(&self, domain: &Domain, go_on: &dyn Fn() -> bool) -> Result<Vec<OnFace>, Cancelled> {
+        let mut points = Vec::with_capacity(self.addresses.len());
+        for batch in self.addresses.chunks(BATCH) {
+            ask(go_on)?;
+            points.par_extend(batch.par_iter().map(|&address| domain.on_input(address)));
+        }
+        Ok(points)
     }
 
     /// The vertices and weights at a point of a face, in steps of the finest level, the greatest weight first.

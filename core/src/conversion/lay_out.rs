@@ -83,7 +83,10 @@ pub(super) fn lay_out(
             lattice = lattice.refined(domain).ok_or(NoLattice::TooFine)?;
             points = None;
         }
-        let start = points.take().unwrap_or_else(|| lattice.points(domain));
+        let start = match points.take() {
+            Some(points) => points,
+            None => lattice.points(domain, &asked)?,
+        };
         if at > 0 {
             reveal(input, density, &lattice, &start);
         }
@@ -97,7 +100,11 @@ pub(super) fn lay_out(
             points = Some(places.points);
         }
     }
-    let places = Places::of(ground, &density.at, points.unwrap_or_else(|| lattice.points(domain)));
+    let points = match points {
+        Some(points) => points,
+        None => lattice.points(domain, &|| progress(1.0))?,
+    };
+    let places = Places::of(ground, &density.at, points);
     Ok((lattice, places))
 }
 

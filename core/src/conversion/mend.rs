@@ -11,7 +11,7 @@ use super::fit::Iterate;
 use super::fitted::Fitted;
 use super::patch::{POINTS, Patch};
 use super::pulls::Pulls;
-use super::simplify::Cancelled;
+use super::simplify::{Cancelled, ask};
 use super::target::Target;
 use super::unfold::{MOST_LOOKS, Unfolding};
 use glam::DVec3;
@@ -88,7 +88,7 @@ impl Mending<'_> {
         Iterate { mut positions, pulls }: Iterate,
         progress: &dyn Fn(f32) -> bool,
     ) -> Result<Vec<DVec3>, Cancelled> {
-        let mut bad = self.bad(&positions, &pulls);
+        let mut bad = self.bad(&positions, &pulls, &|| progress(0.0))?;
         let mut looks = LOOKS + LOOKS_PER_FACE * self.fitted.pattern.faces().len();
         for (k, pass) in PASSES.iter().enumerate() {
             let done = |part: f32| progress((k as f32 + part) / PASSES.len() as f32);
@@ -98,7 +98,7 @@ impl Mending<'_> {
             (bad, used) = self.pass(pass, &mut positions, &pulls, &bad, share, &done)?;
             looks -= used;
         }
-        let turned = self.turned(&positions);
+        let turned = self.turned(&positions, &|| progress(1.0))?;
         let turned: Vec<u32> = (0u32..).zip(&turned).filter(|(_, turned)| **turned).map(|(f, _)| f).collect();
         let Self { target, fitted, places, .. } = *self;
         let unfolding = Unfolding { target, fitted, places, pulls: &pulls, looks: MOST_LOOKS };
@@ -118,6 +118,7 @@ impl Mending<'_> {
         looks: usize,
         progress: &dyn Fn(f32) -> bool,
     ) -> Result<(Vec<u32>, usize), Cancelled> {
+        ask(&|| progress(0.0))?;
         let patch = Patch::around(self, pulls, bad, pass.rings);
         if patch.own == 0 {
             return Ok((Vec::new(), 0));
@@ -186,10 +187,16 @@ impl Mending<'_> {
     }
 
     /// Faces that are turned over, slivers, and those where the surfaces are far apart.
-    fn bad(&self, positions: &[DVec3], pulls: &Pulls) -> Vec<u32> {
+    fn bad(
+        &self,
+        positions: &[DVec3],
+        pulls: &Pulls,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Vec<u32>, Cancelled> {
         let far = BAD * pulls.rms;
         let faces = self.fitted.pattern.faces();
-        let mut bad = self.turned(positions);
+        let mut bad = self.turned(positions, go_on)?;
+        ask(go_on)?;
         bad.iter_mut().enumerate().for_each(|(f, bad)| *bad |= pulls.is_against(f));
         for (f, face) in faces.iter().enumerate() {
             let [a, b, c] = face.map(|v| positions[v as usize]);
@@ -204,13 +211,13 @@ impl Mending<'_> {
                 bad[at_vertex.map_or(k / 3, |v| self.fitted.pattern.corners(v)[0] as usize / 3)] = true;
             }
         }
-        (0..faces.len() as u32).filter(|&f| bad[f as usize]).collect()
+        Ok((0..faces.len() as u32).filter(|&f| bad[f as usize]).collect())
     }
 }
 
 impl Mending<'_> {
     /// For each face whether the input nearest to its middle faces the other way.
-    fn turned(&self, positions: &[DVec3]) -> Vec<bool> {
+    fn turned(&self, positions: &[DVec3], go_on: &dyn Fn() -> bool) -> Result<Vec<bool>, Cancelled> {
         let of_chunk = |faces: &[[u32; 3]]| {
             let mut cursor = self.target.tree.cursor();
             let turned = |face: &[u32; 3]| {
@@ -218,12 +225,19 @@ impl Mending<'_> {
             };
             faces.iter().map(turned).collect::<Vec<_>>()
         };
-        self.fitted.pattern.faces().par_chunks(CHUNK).flat_map_iter(of_chunk).collect()
+        let faces = self.fitted.pattern.faces();
+        let mut turned = Vec::with_capacity(faces.len());
+        for batch in faces.chunks(BATCH * CHUNK) {
+            ask(go_on)?;
+            turned.par_extend(batch.par_chunks(CHUNK).flat_map_iter(of_chunk));
+        }
+        Ok(turned)
     }
 }
 
-/// Faces one thread looks at in a row.
+/// Faces one thread looks at in a row, and chunks between two questions whether to go on.
 const CHUNK: usize = 1024;
+const BATCH: usize = 32;
 /// Twice the area of a sliver is less than this part of its longest side's square.
 const SLIVER: f64 = 0.05;
 

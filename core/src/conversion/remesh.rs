@@ -1,7 +1,7 @@
 //! The whole conversion: clean, simplify, resample, fit, measure.
 
 use super::approach::{Features, approach};
-use super::clean::clean;
+use super::clean::clean_while;
 use super::creases::Creases;
 use super::density::Density;
 use super::domain::Domain;
@@ -14,7 +14,7 @@ use super::lay_out::{Input, NoLattice, lay_out};
 use super::mend::Mending;
 use super::mirror::{Laid, mirrored};
 use super::parameterise::Parameterisation;
-use super::simplify::{Cancelled, simplify};
+use super::simplify::{Cancelled, ask, simplify};
 use super::size::{Attempts, Size, affordable};
 use super::symmetry::{Axis, NEARLY, mirror_plane};
 use super::target::Target;
@@ -24,6 +24,7 @@ use super::working_mesh::WorkingMesh;
 use crate::hierarchy::{Hierarchy, Level, NotABaseMesh};
 use crate::mesh::{CompareError, CompareOptions, Comparison, Connectivity, TriangleMesh, compare};
 use glam::DVec3;
+use std::sync::atomic::{AtomicBool, Ordering};
 use thiserror::Error;
 
 /// How to convert.
@@ -145,11 +146,12 @@ pub fn remesh(
     if !progress(Phase::Clean, 0.0) {
         return Err(RemeshError::Cancelled);
     }
-    let cleaned = clean(mesh, options.weld).ok_or(RemeshError::Empty)?;
+    let go_on = || progress(Phase::Clean, 0.0);
+    let cleaned = clean_while(mesh, options.weld, &go_on)?.ok_or(RemeshError::Empty)?;
     let input = cleaned.to_mesh();
     let mut frame = Frame::around(&input).ok_or(RemeshError::Empty)?;
     if let Some(axis) = options.symmetric {
-        let plane = mirror_plane(&input, axis, &|| progress(Phase::Clean, 0.0))?;
+        let plane = mirror_plane(&input, axis, &go_on)?;
         frame = frame.about(axis, plane);
     }
     let mut prepared = Prepared::new(frame.into_unit(&input), cleaned.connectivity, progress)?;
@@ -240,7 +242,10 @@ impl Prepared {
         if !target.sharp_edges.is_empty() {
             working = working.with_creases(Creases::marked(&target, &connectivity));
         }
-        let density = Density::new(&target, &connectivity, THINNED as f64, &Creases::default());
+        let go_on = || progress(Phase::Simplify, 0.0);
+        ask(&go_on)?;
+        let creases = Creases::default();
+        let density = Density::new_while(&target, &connectivity, THINNED as f64, &creases, &go_on)?;
         thin(&mut working, THINNED, &density, &|done| progress(Phase::Simplify, done))?;
         let ground = working.compact();
         let connectivity = Connectivity::build(ground.positions.len() as u32, ground.faces.clone())
@@ -291,7 +296,8 @@ fn attempt<'m>(
     let most_corners = aim / FACES_PER_CORNER;
     let creases = Creases::find(whole, connectivity, sharp_angle, most_corners);
     let wanted = aim as f64 * f64::from(4u32.pow(levels.into()));
-    let mut density = Density::new(whole, connectivity, wanted, &creases);
+    let go_on = || progress(Phase::Simplify, 0.0);
+    let mut density = Density::new_while(whole, connectivity, wanted, &creases, &go_on)?;
     let (mesh, connectivity, sides, mut working) = match half {
         None => (whole, connectivity, 1, working_mesh(whole, connectivity).with_creases(creases.clone())),
         Some(half) => {
@@ -302,11 +308,15 @@ fn attempt<'m>(
     };
     let mut map = Parameterisation::new(mesh.faces.len() as u32);
     open_ears(&mut working, &mut map);
+    let stopped = AtomicBool::new(false);
     rayon::in_place_scope(|scope| {
         if target.is_none() {
-            scope.spawn(|_| *target = Target::new(input));
+            scope.spawn(|_| *target = Target::new_while(input, &|| !stopped.load(Ordering::Relaxed)));
         }
-        simplify(&mut working, &mut map, aim / sides, &density, &|done| progress(Phase::Simplify, done))
+        let simplified =
+            simplify(&mut working, &mut map, aim / sides, &density, &|done| progress(Phase::Simplify, done));
+        stopped.store(simplified.is_err(), Ordering::Relaxed);
+        simplified
     })?;
     open_ears(&mut working, &mut map);
     flip_edges(&mut working, &mut map);

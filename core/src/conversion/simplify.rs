@@ -54,6 +54,11 @@ pub(super) const STRIDE: usize = 512;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Cancelled;
 
+/// Whether to go on, as a result.
+pub(super) fn ask(go_on: &dyn Fn() -> bool) -> Result<(), Cancelled> {
+    if go_on() { Ok(()) } else { Err(Cancelled) }
+}
+
 /// An edge in the queue. The least cost comes first; ties go to the lower vertices.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {

@@ -39,9 +39,15 @@ struct BoundaryCurve {
 }
 
 impl<'m> Target<'m> {
-    /// Prepares the input, without samples yet. `None` without faces. Cost: linear, and a tree.
+    /// [`Target::new_while`] to the end.
     pub(super) fn new(mesh: &'m TriangleMesh) -> Option<Self> {
-        let tree = BoundingVolumes::build(mesh)?;
+        Self::new_while(mesh, &|| true)
+    }
+
+    /// Prepares the input, without samples yet. `None` without faces, or when `go_on` answered no. Cost: linear, and a
+    /// tree.
+    pub(super) fn new_while(mesh: &'m TriangleMesh, go_on: &dyn Fn() -> bool) -> Option<Self> {
+        let tree = BoundingVolumes::build_while(mesh, &mut || go_on()).ok()??;
         let corner = |v: u32| DVec3::from(mesh.positions[v as usize]);
         let normal = |f: &[u32; 3]| {
             let [a, b, c] = f.map(corner);

@@ -8,7 +8,7 @@
 use super::collapse::{Attempt, Collapser};
 use super::costs::Costs;
 use super::density::Density;
-use super::simplify::{Cancelled, LADDER, STRIDE};
+use super::simplify::{Cancelled, LADDER, STRIDE, ask};
 use super::working_mesh::WorkingMesh;
 use rayon::prelude::*;
 
@@ -29,6 +29,7 @@ pub(super) fn thin(
     progress: &dyn Fn(f32) -> bool,
 ) -> Result<(), Cancelled> {
     let (start, rules) = (mesh.live_count(), &LADDER[0]);
+    ask(&|| progress(0.0))?;
     let mut costs = Costs::new(mesh, density, target);
     let mut collapser = Collapser::default();
     loop {
@@ -37,6 +38,7 @@ pub(super) fn thin(
         if (excess as f64) < ENOUGH * target as f64 {
             break;
         }
+        ask(&|| progress((start - before) as f32 / (start - target) as f32))?;
         let (edges, limit) = cheap(mesh, &costs, excess);
         for (attempt, &ends) in edges.iter().enumerate() {
             let done = (start - mesh.live_count()) as f32 / (start - target) as f32;

@@ -41,7 +41,9 @@ impl<'a> Watch<'a> {
         let current = self.fitted.mesh(positions);
         match &mut self.tree {
             Some(tree) => tree.refit(&current),
-            None => self.tree = BoundingVolumes::build(&current),
+            None => {
+                self.tree = BoundingVolumes::build_while(&current, &mut || go_on()).map_err(|_| Cancelled)?
+            }
         }
         let forth = self.forth(positions, look, go_on)?;
         let back = self.back(positions, look, go_on)?;

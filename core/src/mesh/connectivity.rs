@@ -4,6 +4,7 @@
 //! neighbouring face. Building it proves that the list is an orientable 2-manifold, with or without boundary.
 //! It does **not** prove that the list is a simplicial complex: two faces may have the same three corners.
 
+use super::Abandoned;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -57,6 +58,21 @@ pub enum NotManifold {
     },
 }
 
+/// Why relations were not built.
+enum Stop {
+    NotManifold(NotManifold),
+    Abandoned,
+}
+
+impl From<NotManifold> for Stop {
+    fn from(why: NotManifold) -> Self {
+        Self::NotManifold(why)
+    }
+}
+
+/// Faces that are gone through between two questions whether to go on.
+const STRIDE: usize = 1 << 17;
+
 /// Neighbour relations of an oriented triangle list.
 #[derive(Debug, Clone)]
 pub struct Connectivity<'f> {
@@ -76,26 +92,55 @@ impl<'f> Connectivity<'f> {
     /// # Errors
     /// The first obstacle found; see [`NotManifold`].
     pub fn build(vertex_count: u32, faces: impl Into<Cow<'f, [[u32; 3]]>>) -> Result<Self, NotManifold> {
-        let mut faces = faces.into();
+        Self::build_asking(vertex_count, faces.into(), &|| Ok(())).map_err(|stop| match stop {
+            Stop::NotManifold(why) => why,
+            Stop::Abandoned => unreachable!("nobody asked to stop"),
+        })
+    }
+
+    /// [`build`](Self::build), asking now and then, after some hundredths of a second, whether to go on.
+    ///
+    /// # Errors
+    /// The answer was no.
+    pub fn build_while(
+        vertex_count: u32,
+        faces: impl Into<Cow<'f, [[u32; 3]]>>,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Result<Self, NotManifold>, Abandoned> {
+        let ask = || if go_on() { Ok(()) } else { Err(Stop::Abandoned) };
+        match Self::build_asking(vertex_count, faces.into(), &ask) {
+            Ok(built) => Ok(Ok(built)),
+            Err(Stop::NotManifold(why)) => Ok(Err(why)),
+            Err(Stop::Abandoned) => Err(Abandoned),
+        }
+    }
+
+    fn build_asking(
+        vertex_count: u32,
+        mut faces: Cow<'f, [[u32; 3]]>,
+        ask: &dyn Fn() -> Result<(), Stop>,
+    ) -> Result<Self, Stop> {
         for (f, face) in faces.iter().enumerate() {
             let face_index = f as u32;
             for k in 0..3 {
                 if face[k] >= vertex_count {
-                    return Err(NotManifold::MissingVertex { face: face_index, vertex: face[k] });
+                    return Err(NotManifold::MissingVertex { face: face_index, vertex: face[k] }.into());
                 }
                 if face[k] == face[(k + 1) % 3] {
-                    return Err(NotManifold::Degenerate { face: face_index, vertex: face[k] });
+                    return Err(NotManifold::Degenerate { face: face_index, vertex: face[k] }.into());
                 }
             }
         }
-        let mut twins = edge_pairs(vertex_count, &faces)?;
-        let Components { of_face, count: components, turned } = orient(&mut faces, &twins)?;
+        let mut twins = edge_pairs(vertex_count, &faces, ask)?;
+        ask()?;
+        let Components { of_face, count: components, turned } = orient(&mut faces, &twins, ask)?;
         let component_of_face = if components > 1 { of_face } else { Vec::new() };
         if turned {
             // Turning a face renumbers its half-edges, so the pairs are found once more.
             drop(twins);
-            twins = edge_pairs(vertex_count, &faces)?;
+            twins = edge_pairs(vertex_count, &faces, ask)?;
         }
+        ask()?;
         let outgoing = fans(vertex_count, &faces, &twins)?;
         Ok(Self { faces, twins, outgoing, component_of_face, components })
     }
@@ -226,7 +271,11 @@ const AT_ONCE: usize = 1 << 22;
 
 /// For every half-edge the half-edge of the other face at the same undirected edge, or [`NONE`]. Edges are sorted, those of
 /// some vertices at a time: a table of all of them would take twice the memory of the faces.
-fn edge_pairs(vertex_count: u32, faces: &[[u32; 3]]) -> Result<Vec<u32>, NotManifold> {
+fn edge_pairs(
+    vertex_count: u32,
+    faces: &[[u32; 3]],
+    ask: &dyn Fn() -> Result<(), Stop>,
+) -> Result<Vec<u32>, Stop> {
     let mut pairs = vec![NONE; faces.len() * 3];
     let passes = pairs.len().div_ceil(AT_ONCE).max(1) as u32;
     let vertices = vertex_count.div_ceil(passes).max(1);
@@ -243,7 +292,9 @@ fn edge_pairs(vertex_count: u32, faces: &[[u32; 3]]) -> Result<Vec<u32>, NotMani
                 }
             }
         }
+        ask()?;
         edges.par_sort_unstable();
+        ask()?;
         for of_edge in edges.chunk_by(|a, b| a[..2] == b[..2]) {
             match *of_edge {
                 [_] => {}
@@ -257,7 +308,7 @@ fn edge_pairs(vertex_count: u32, faces: &[[u32; 3]]) -> Result<Vec<u32>, NotMani
         }
     }
     match obstacle {
-        Some([a, b, _]) => Err(NotManifold::Edge { a, b }),
+        Some([a, b, _]) => Err(NotManifold::Edge { a, b }.into()),
         None => Ok(pairs),
     }
 }
@@ -271,7 +322,11 @@ struct Components {
 }
 
 /// Turns faces so that neighbours agree.
-fn orient(faces: &mut Cow<'_, [[u32; 3]]>, pairs: &[u32]) -> Result<Components, NotManifold> {
+fn orient(
+    faces: &mut Cow<'_, [[u32; 3]]>,
+    pairs: &[u32],
+    ask: &dyn Fn() -> Result<(), Stop>,
+) -> Result<Components, Stop> {
     const UNSEEN: u32 = u32::MAX;
     let original = &**faces;
     let ends = |h: u32| {
@@ -284,6 +339,7 @@ fn orient(faces: &mut Cow<'_, [[u32; 3]]>, pairs: &[u32]) -> Result<Components, 
     let mut components = 0;
     // First in, first out: the rim of a disc, where last in, first out would hold most of the mesh.
     let mut waiting = VecDeque::new();
+    let mut seen = 0usize;
     for seed in 0..faces.len() as u32 {
         if component[seed as usize] != UNSEEN {
             continue;
@@ -291,6 +347,10 @@ fn orient(faces: &mut Cow<'_, [[u32; 3]]>, pairs: &[u32]) -> Result<Components, 
         component[seed as usize] = components;
         waiting.push_back(seed);
         while let Some(face) = waiting.pop_front() {
+            seen += 1;
+            if seen.is_multiple_of(STRIDE) {
+                ask()?;
+            }
             for h in 3 * face..3 * face + 3 {
                 let other = pairs[h as usize];
                 if other == NONE {
@@ -305,7 +365,7 @@ fn orient(faces: &mut Cow<'_, [[u32; 3]]>, pairs: &[u32]) -> Result<Components, 
                     waiting.push_back(neighbour);
                 } else if flipped[neighbour as usize] != wanted {
                     let (a, b) = ends(h);
-                    return Err(NotManifold::NotOrientable { a, b });
+                    return Err(NotManifold::NotOrientable { a, b }.into());
                 }
             }
         }

@@ -1,7 +1,8 @@
 //! Orientation, and cuts where faces meet that are no surface together.
 
-use super::CleanReport;
 use super::disjoint_sets::DisjointSets;
+use super::{Ask, CleanReport, STRIDE};
+use crate::conversion::simplify::Cancelled;
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -26,10 +27,20 @@ fn half_edges_by_edge(faces: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
 /// a vertex of its own.
 ///
 /// Returns whether there were such edges; without them the result is a manifold.
-pub(super) fn cut(positions: &mut Vec<[f64; 3]>, faces: &mut [[u32; 3]], report: &mut CleanReport) -> bool {
+///
+/// # Errors
+/// `ask` did not want to go on.
+pub(super) fn cut(
+    positions: &mut Vec<[f64; 3]>,
+    faces: &mut [[u32; 3]],
+    report: &mut CleanReport,
+    ask: Ask<'_>,
+) -> Result<bool, Cancelled> {
     let mut twins = vec![u32::MAX; 3 * faces.len()];
     let before = report.cut_edges;
-    for sides in half_edges_by_edge(faces).chunk_by(|one, other| one.0 == other.0) {
+    let half_edges = half_edges_by_edge(faces);
+    ask()?;
+    for sides in half_edges.chunk_by(|one, other| one.0 == other.0) {
         match *sides {
             [_] => {}
             [(_, one), (_, other)] => {
@@ -39,8 +50,10 @@ pub(super) fn cut(positions: &mut Vec<[f64; 3]>, faces: &mut [[u32; 3]], report:
             _ => report.cut_edges += 1,
         }
     }
+    drop(half_edges);
     let many = report.cut_edges > before;
-    orient(faces, &mut twins, report);
+    ask()?;
+    orient(faces, &mut twins, report, ask)?;
     if many {
         stitch(positions, faces, &mut twins);
     }
@@ -48,6 +61,9 @@ pub(super) fn cut(positions: &mut Vec<[f64; 3]>, faces: &mut [[u32; 3]], report:
     // Corners glued across an edge are one vertex.
     let mut glued = DisjointSets::new(3 * faces.len());
     for (f, face) in faces.iter().enumerate() {
+        if f.is_multiple_of(STRIDE) {
+            ask()?;
+        }
         for k in 0..3 {
             let twin = twins[3 * f + k];
             if twin == u32::MAX {
@@ -63,6 +79,9 @@ pub(super) fn cut(positions: &mut Vec<[f64; 3]>, faces: &mut [[u32; 3]], report:
     let mut owner: Vec<u32> = vec![u32::MAX; positions.len()];
     let mut copies = FxHashMap::default();
     for corner in 0..3 * faces.len() {
+        if corner.is_multiple_of(3 * STRIDE) {
+            ask()?;
+        }
         let v = faces[corner / 3][corner % 3];
         let class = glued.find(corner);
         if owner[v as usize] == u32::MAX {
@@ -77,12 +96,17 @@ pub(super) fn cut(positions: &mut Vec<[f64; 3]>, faces: &mut [[u32; 3]], report:
             faces[corner / 3][corner % 3] = copy;
         }
     }
-    many
+    Ok(many)
 }
 
 /// Turns faces so that glued neighbours agree, most of each component keeping its side; edges where that is
 /// impossible are unglued. Half-edge numbers of a turned face go on naming the same edges.
-fn orient(faces: &mut [[u32; 3]], twins: &mut [u32], report: &mut CleanReport) {
+fn orient(
+    faces: &mut [[u32; 3]],
+    twins: &mut [u32],
+    report: &mut CleanReport,
+    ask: Ask<'_>,
+) -> Result<(), Cancelled> {
     let ends: Vec<[u32; 2]> = faces.iter().flat_map(|f| (0..3).map(|k| [f[k], f[(k + 1) % 3]])).collect();
     let mut turned: Vec<Option<bool>> = vec![None; faces.len()];
     for seed in 0..faces.len() {
@@ -95,6 +119,9 @@ fn orient(faces: &mut [[u32; 3]], twins: &mut [u32], report: &mut CleanReport) {
         while at < component.len() {
             let f = component[at];
             at += 1;
+            if at.is_multiple_of(STRIDE) {
+                ask()?;
+            }
             for h in 3 * f..3 * f + 3 {
                 let twin = twins[h];
                 if twin == u32::MAX {
@@ -132,6 +159,7 @@ fn orient(faces: &mut [[u32; 3]], twins: &mut [u32], report: &mut CleanReport) {
             }
         }
     }
+    Ok(())
 }
 
 /// Cosine between two faces at an edge, seen along it, from which on they go on in each other: 150°.

@@ -113,6 +113,29 @@ fn every_phase_can_be_cancelled() {
     }
 }
 
+/// Whatever question gets the answer no is the last.
+#[test]
+fn the_first_no_ends_the_conversion() {
+    let input = shapes::subdivide(&shapes::octahedron(), 3);
+    for symmetric in [None, Some(Axis::X)] {
+        let options = RemeshOptions { symmetric, ..options(16, 2) };
+        let asked = std::cell::Cell::new(0);
+        let up_to = |last: u32| {
+            asked.set(0);
+            remesh(&input, &options, &|_, _| asked.replace(asked.get() + 1) < last).map(|_| ())
+        };
+        up_to(u32::MAX).expect("a conversion");
+        let all = asked.get();
+        assert!(all > 100, "{all}");
+        for last in (0..all).step_by(all as usize / 40) {
+            let result = up_to(last);
+            let cancelled =
+                matches!(result, Err(RemeshError::Cancelled | RemeshError::Measure(CompareError::Cancelled)));
+            assert!(cancelled && asked.get() == last + 1, "{last} of {all}: {result:?}, {}", asked.get());
+        }
+    }
+}
+
 #[test]
 fn nothing_to_convert_is_said() {
     let flat = TriangleMesh::new(vec![[1.0; 3]; 3], vec![[0, 1, 2]]);
