@@ -34,7 +34,28 @@ const STAGES: [Stage; 9] = [
     Stage { finest: 15, rounds: &[(Level(3), 3), (Level(4), 6)], flips: false },
 ];
 
-/// Stages left out for a gentle layout: thin horns stay where simplification put them.
+/// How a lattice is spaced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Spacing {
+    /// Evenly, by the density.
+    Even,
+    /// Evenly, but without the first stages: thin horns stay where simplification put them.
+    Gentle,
+    /// As the domain has it: where its faces are hardly fewer than the input's, its edges lie on the input's.
+    AsIs,
+}
+
+impl Spacing {
+    fn stages(self) -> &'static [Stage] {
+        match self {
+            Self::Even => &STAGES,
+            Self::Gentle => &STAGES[GENTLE..],
+            Self::AsIs => &[],
+        }
+    }
+}
+
+/// Stages left out for a gentle layout.
 const GENTLE: usize = 4;
 /// A vertex of the input is missed if the surface is this part of an edge of the finest level away.
 const FAR: f64 = 0.3;
@@ -60,17 +81,17 @@ impl From<Cancelled> for NoLattice {
     }
 }
 
-/// Lays `levels` levels over the domain, `gently` without the first stages; returns the lattice and the places of its vertices on the input.
+/// Lays `levels` levels over the domain; returns the lattice and the places of its vertices on the input.
 pub(super) fn lay_out(
     input: &Input,
     density: &mut Density,
     levels: Level,
-    gently: bool,
+    spacing: Spacing,
     progress: &dyn Fn(f32) -> bool,
 ) -> Result<(Lattice, Places), NoLattice> {
-    let stages = if gently { &STAGES[GENTLE..] } else { &STAGES[..] };
+    let stages = spacing.stages();
     let Input { ground, domain, .. } = *input;
-    let first = levels.min(Level(stages[0].finest));
+    let first = stages.first().map_or(levels, |stage| levels.min(Level(stage.finest)));
     let mut lattice = Lattice::over(domain, first).ok_or(NoLattice::TooFine)?;
     // Whether the finest level fits, before any work.
     Lattice::fits(domain, levels).ok_or(NoLattice::TooFine)?;

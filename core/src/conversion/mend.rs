@@ -13,7 +13,7 @@ use super::patch::{POINTS, Patch};
 use super::pulls::Pulls;
 use super::simplify::{Cancelled, ask};
 use super::target::Target;
-use super::unfold::{MOST_LOOKS, Unfolding};
+use super::unfold::Unfolding;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -76,10 +76,12 @@ pub(super) struct Mending<'a> {
     pub(super) sheets: &'a [DVec3],
     /// These places.
     pub(super) places: &'a [DVec3],
+    /// What may be looked at in turning the last faces back; see [`Unfolding`].
+    pub(super) unfolding: u64,
 }
 
 impl Mending<'_> {
-    /// Mends the bad places of a fit that was looked at closely.
+    /// Mends the bad places of a fit that was looked at closely; returns the positions and how many faces stay turned over.
     ///
     /// # Errors
     /// The progress function asked to stop.
@@ -87,7 +89,7 @@ impl Mending<'_> {
         &self,
         Iterate { mut positions, pulls }: Iterate,
         progress: &dyn Fn(f32) -> bool,
-    ) -> Result<Vec<DVec3>, Cancelled> {
+    ) -> Result<(Vec<DVec3>, usize), Cancelled> {
         let mut bad = self.bad(&positions, &pulls, &|| progress(0.0))?;
         let mut looks = LOOKS + LOOKS_PER_FACE * self.fitted.pattern.faces().len();
         for (k, pass) in PASSES.iter().enumerate() {
@@ -100,10 +102,21 @@ impl Mending<'_> {
         }
         let turned = self.turned(&positions, &|| progress(1.0))?;
         let turned: Vec<u32> = (0u32..).zip(&turned).filter(|(_, turned)| **turned).map(|(f, _)| f).collect();
+        if turned.is_empty() {
+            return Ok((positions, 0));
+        }
         let Self { target, fitted, places, .. } = *self;
-        let unfolding = Unfolding { target, fitted, places, pulls: &pulls, looks: MOST_LOOKS };
+        let unfolding = Unfolding { target, fitted, places, pulls: &pulls, looks: self.unfolding };
+        let before = positions.clone();
         unfolding.run(&mut positions, &turned, &|| progress(1.0))?;
-        Ok(positions)
+        let moved = |face: &[u32; 3]| face.iter().any(|&v| positions[v as usize] != before[v as usize]);
+        let mut cursor = target.tree.cursor();
+        let faces = (0u32..).zip(fitted.pattern.faces());
+        let stay = faces
+            .filter(|(f, face)| turned.binary_search(f).is_ok() || moved(face))
+            .filter(|(_, face)| target.beside(face.map(|v| positions[v as usize]), &mut cursor).0 <= 0.0);
+        let count = stay.count();
+        Ok((positions, count))
     }
 
     /// Mends what lies around `bad` faces, given in ascending order, the smallest parts first, as long as no more than so

@@ -2,6 +2,7 @@
 
 mod along;
 mod approach;
+mod attempts;
 mod base_flips;
 pub mod clean;
 mod collapse;

@@ -1,5 +1,6 @@
 //! How many base faces and levels: by the size of the input, and more where a tolerance is not met.
 
+use super::lay_out::Spacing;
 use super::remesh::RemeshOptions;
 use crate::mesh::TriangleMesh;
 
@@ -16,7 +17,7 @@ const LEVELS: u8 = 4;
 const FEWEST_BASE_FACES: usize = 200;
 /// Faces of the finest level by default at most, for each face of the input, where the base mesh has more than were aimed
 /// at: vertices stay below four times the input's.
-const MOST_TIMES: f64 = 3.9;
+pub(super) const MOST_TIMES: f64 = 3.9;
 
 /// An attempt has this times the faces that a greatest distance over its tolerance asks for: distances of smooth places
 /// fall with the faces, those of spikes later.
@@ -37,6 +38,10 @@ pub(super) struct Size {
     pub(super) base_faces: usize,
     /// Levels J.
     pub(super) levels: u8,
+    /// How they are spaced.
+    pub(super) spacing: Spacing,
+    /// Whether they are fitted with little regard to even spacing.
+    pub(super) closely: bool,
 }
 
 impl Size {
@@ -50,12 +55,12 @@ impl Size {
             (0..=LEVELS).rev().find(|&j| finer(j) <= per_face).unwrap_or(0).max(1)
         });
         let faces = options.base_faces.unwrap_or((finest / finer(levels.min(12))) as usize);
-        Self { base_faces: faces.max(4), levels }
+        Self { base_faces: faces.max(4), levels, spacing: Spacing::Even, closely: false }
     }
 
     /// The next attempt after one whose greatest distance was `excess` times the tolerance; `None` if it was met, if
     /// the options leave nothing to change, or if it would be too large.
-    fn next(self, excess: f64, input: &TriangleMesh, options: &RemeshOptions) -> Option<Self> {
+    pub(super) fn next(self, excess: f64, input: &TriangleMesh, options: &RemeshOptions) -> Option<Self> {
         if excess <= 1.0 {
             return None;
         }
@@ -74,42 +79,9 @@ impl Size {
         (next.finest() <= allowed && simple).then_some(next)
     }
 
-    fn finest(self) -> f64 {
+    /// Faces of the finest level.
+    pub(super) fn finest(self) -> f64 {
         self.base_faces as f64 * finer(self.levels)
-    }
-}
-
-/// Faces of attempts in a row that hardly come closer than the best before, after which no more are made: what is left
-/// is a place that more faces do not mend.
-const MOST_STALLED: f64 = 600_000.0;
-/// An attempt comes closer if its greatest distance is below this part of the least before.
-const CLOSER: f64 = 0.9;
-
-/// The attempts at a tolerance.
-#[derive(Debug)]
-pub(super) struct Attempts {
-    least: f64,
-    /// Faces of the attempts since one came closer.
-    stalled: f64,
-}
-
-impl Attempts {
-    pub(super) fn new() -> Self {
-        Self { least: f64::INFINITY, stalled: 0.0 }
-    }
-
-    /// The next after one of this size and greatest distance; see [`Size::next`].
-    pub(super) fn next(
-        &mut self,
-        size: Size,
-        greatest: f64,
-        input: &TriangleMesh,
-        options: &RemeshOptions,
-    ) -> Option<Size> {
-        let tolerance = options.tolerance?;
-        self.stalled = if greatest < CLOSER * self.least { 0.0 } else { self.stalled + size.finest() };
-        self.least = self.least.min(greatest);
-        (self.stalled < MOST_STALLED).then(|| size.next(greatest / tolerance, input, options))?
     }
 }
 
@@ -124,57 +96,31 @@ pub(super) fn affordable(size: Size, base_faces: usize, input_faces: usize) -> O
     let levels = (1..size.levels).rev().find(|&j| fits(j)).unwrap_or(1);
     // The base mesh may turn out larger than this again, by some.
     let aim = (size.finest().min(most) / finer(levels) / MOST_OVER) as usize;
-    Some(Size { base_faces: aim.max(size.base_faces), levels })
+    Some(Size { base_faces: aim.max(size.base_faces), levels, ..size })
 }
 
 /// How many times as many faces as are aimed at a base mesh may have after all.
 const MOST_OVER: f64 = 1.15;
 
 /// Faces of a level for each base face.
-fn finer(level: u8) -> f64 {
+pub(super) fn finer(level: u8) -> f64 {
     f64::from(4u32.pow(level.min(15).into()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::{octahedron, subdivide};
-
-    #[test]
-    fn attempts_end_when_more_faces_bring_nothing() {
-        let input = subdivide(&octahedron(), 6);
-        let options = RemeshOptions { tolerance: Some(1e-3), ..RemeshOptions::default() };
-        let first = Size::first(input.faces.len(), &options);
-        let sizes = |greatest: &[f64]| {
-            let mut attempts = Attempts::new();
-            let mut size = Some(first);
-            greatest
-                .iter()
-                .map(|&g| {
-                    size = attempts.next(size?, g, &input, &options);
-                    size
-                })
-                .collect::<Vec<_>>()
-        };
-        let falling = sizes(&[1.5e-3, 1.3e-3, 1.15e-3, 0.9e-3]);
-        assert!(falling[..3].iter().all(Option::is_some), "{falling:?}");
-        assert_eq!(falling[3], None, "the tolerance is met");
-        let stuck = sizes(&[1.3e-3, 1.25e-3, 1.2e-3, 1.18e-3]);
-        assert!(stuck[2].is_some() && stuck[3].is_none(), "{stuck:?}");
-        let late = sizes(&[1.3e-3, 1.25e-3, 1.2e-3, 1.05e-3, 1.04e-3]);
-        assert!(late[4].is_some(), "an attempt that comes closer starts the count anew: {late:?}");
-    }
 
     #[test]
     fn many_base_faces_leave_fewer_levels_but_no_coarser_surface() {
-        let size = Size { base_faces: 240, levels: 4 };
+        let size = Size { base_faces: 240, levels: 4, spacing: Spacing::Even, closely: false };
         assert_eq!(affordable(size, 255, 17_000), None);
         let other = affordable(size, 1_800, 17_000).expect("460,800 faces are too many");
         assert_eq!(other.levels, 2);
         let finest = other.finest();
         assert!(finest > 0.7 * size.finest() && finest * MOST_OVER <= 3.9 * 17_000.0, "{other:?}");
         // Nothing is left to leave out.
-        assert_eq!(affordable(Size { base_faces: 240, levels: 1 }, 16_000, 17_000), None);
+        assert_eq!(affordable(Size { levels: 1, ..size }, 16_000, 17_000), None);
         assert_eq!(affordable(size, 16_000, 17_000).expect("fewer").levels, 1);
     }
 

@@ -8,6 +8,7 @@ use super::normal_equations::Symmetric;
 use super::pulls::{ALONG, Pull};
 use crate::mesh::{AreaSampler, BoundingVolumes, ClosestPointCursor, TriangleMesh};
 use glam::DVec3;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Samples of the input for each face of the fitted surface.
 const SAMPLES_PER_FACE: f64 = 2.0;
@@ -29,6 +30,8 @@ pub(super) struct Target<'m> {
     /// How many of the samples are spread by area; vertices follow.
     pub(super) by_area: usize,
     boundary: Option<BoundaryCurve>,
+    /// Boxes and triangles looked at by the closest points of fits so far: what attempts cost, on any machine.
+    looks: AtomicU64,
 }
 
 /// The boundary of a surface.
@@ -68,6 +71,7 @@ impl<'m> Target<'m> {
             sample_faces: Vec::new(),
             by_area: 0,
             boundary,
+            looks: AtomicU64::new(0),
         })
     }
 
@@ -89,6 +93,16 @@ impl<'m> Target<'m> {
         }
         self.sample_faces.extend(face_of.iter().step_by(stride));
         self
+    }
+
+    /// Adds to [`Target::looks`].
+    pub(super) fn count_looks(&self, looks: u64) {
+        self.looks.fetch_add(looks, Ordering::Relaxed);
+    }
+
+    /// How many boxes and triangles were looked at so far. A sum: the same at any number of threads.
+    pub(super) fn looks(&self) -> u64 {
+        self.looks.load(Ordering::Relaxed)
     }
 
     /// The cosine of a triangle's normal to that of the input nearest to its middle, the least where faces of the input

@@ -65,7 +65,7 @@ impl<'a> Watch<'a> {
         let last = self.last.as_ref().map(|last| (&last.forth, last.look.stride()));
         let of_chunk = |chunk: usize| {
             let mut cursor = tree.cursor();
-            let closest = move |k: usize| {
+            let closest = |k: usize| {
                 let sample = if k < by_area { k * stride } else { k };
                 if let Some((last, stride)) = last
                     && let Some(before) = last.get(if k < by_area { sample / stride } else { k })
@@ -78,7 +78,9 @@ impl<'a> Watch<'a> {
                 let at = DVec3::from(found.point);
                 Forth { face: found.face.0, weights: barycentric(corners, at), gap: samples[sample] - at }
             };
-            (chunk * CHUNK..((chunk + 1) * CHUNK).min(total)).map(closest)
+            let found: Vec<Forth> = (chunk * CHUNK..((chunk + 1) * CHUNK).min(total)).map(closest).collect();
+            self.target.count_looks(cursor.looked_at());
+            found
         };
         in_batches(total.div_ceil(CHUNK), go_on, &of_chunk)
     }
@@ -96,7 +98,7 @@ impl<'a> Watch<'a> {
         let last = self.last.as_ref().map(|last| (&last.back, last.look.inside().len()));
         let of_chunk = |chunk: usize| {
             let mut cursor = self.target.tree.cursor();
-            let closest = move |k: usize| {
+            let closest = |k: usize| {
                 let (face, weights) = if k < points {
                     (k / inside.len(), inside[k % inside.len()])
                 } else {
@@ -116,17 +118,19 @@ impl<'a> Watch<'a> {
                 let against = (b - a).cross(c - a).dot(normal) < 0.0;
                 Back { face: found.face.0, against, gap: DVec3::from(found.point) - at }
             };
-            (chunk * CHUNK..((chunk + 1) * CHUNK).min(total)).map(closest)
+            let found: Vec<Back> = (chunk * CHUNK..((chunk + 1) * CHUNK).min(total)).map(closest).collect();
+            self.target.count_looks(cursor.looked_at());
+            found
         };
         in_batches(total.div_ceil(CHUNK), go_on, &of_chunk)
     }
 }
 
 /// The answers of all chunks in order, asking after each batch of them whether to go on.
-fn in_batches<T: Send, I: Iterator<Item = T>>(
+fn in_batches<T: Send>(
     chunks: usize,
     go_on: &dyn Fn() -> bool,
-    of_chunk: &(impl Fn(usize) -> I + Sync),
+    of_chunk: &(impl Fn(usize) -> Vec<T> + Sync),
 ) -> Result<Vec<T>, Cancelled> {
     let mut all = Vec::with_capacity(chunks * CHUNK);
     for first in (0..chunks).step_by(BATCH) {

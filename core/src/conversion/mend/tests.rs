@@ -1,6 +1,7 @@
 use super::*;
 use crate::conversion::fit::turned_faces;
 use crate::conversion::pulls::Look;
+use crate::conversion::unfold::MOST_LOOKS;
 use crate::conversion::watch::Watch;
 use crate::mesh::shapes::{octahedron, subdivide};
 use crate::mesh::{BoundingVolumes, TriangleMesh};
@@ -26,13 +27,14 @@ fn mended(height: f64, moved: impl Fn(DVec3) -> DVec3) -> (Vec<DVec3>, Vec<DVec3
         (b - a).cross(c - a).normalize_or_zero()
     };
     let sheets: Vec<DVec3> = coarse.positions.iter().map(|&p| normal(tree.closest(p).face)).collect();
-    let mending = Mending { target: &target, fitted: &fitted, sheets: &sheets, places: &places };
+    let mending =
+        Mending { target: &target, fitted: &fitted, sheets: &sheets, places: &places, unfolding: MOST_LOOKS };
     let start: Vec<DVec3> = places.iter().map(|&p| moved(p)).collect();
     let go_on = || true;
     let Ok(pulls) = Watch::new(&target, &fitted).look(&start, Look::Close, &go_on) else {
         panic!("nobody asked to stop")
     };
-    let Ok(result) = mending.run(Iterate { positions: start, pulls }, &|_| true) else {
+    let Ok((result, stay)) = mending.run(Iterate { positions: start, pulls }, &|_| true) else {
         panic!("nobody asked to stop")
     };
     let outward: Vec<DVec3> = coarse
@@ -44,6 +46,7 @@ fn mended(height: f64, moved: impl Fn(DVec3) -> DVec3) -> (Vec<DVec3>, Vec<DVec3
         })
         .collect();
     let turned = turned_faces(&fitted, &result, &outward).iter().filter(|turned| **turned).count();
+    assert_eq!(stay, turned, "those that stay turned over are counted");
     (places, result, turned)
 }
 
@@ -78,7 +81,8 @@ fn what_there_is_no_time_for_stays_bad_and_where_it_is() {
     let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
     let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
     let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
-    let mending = Mending { target: &target, fitted: &fitted, sheets: &places, places: &places };
+    let mending =
+        Mending { target: &target, fitted: &fitted, sheets: &places, places: &places, unfolding: MOST_LOOKS };
     let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
         panic!("nobody asked to stop")
     };
@@ -98,7 +102,8 @@ fn the_smallest_places_are_mended_first() {
     let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
     let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
     let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
-    let mending = Mending { target: &target, fitted: &fitted, sheets: &places, places: &places };
+    let mending =
+        Mending { target: &target, fitted: &fitted, sheets: &places, places: &places, unfolding: MOST_LOOKS };
     let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
         panic!("nobody asked to stop")
     };
