@@ -20,7 +20,7 @@ const ROUGH: f64 = 2e-4;
 /// Faces at most of attempts at a surface that is less rough.
 const MOST_ROUGH: f64 = 100_000.0;
 /// Faces at most of a surface that is made again because some are turned over.
-const MOST_TURNED: f64 = 130_000.0;
+const MOST_TURNED: f64 = 100_000.0;
 /// Boxes and triangles that fits may have looked at before one more attempt is made at a surface that is less rough: so many
 /// for each face made, and so many more. They take some 350 a face, of small inputs 800, where those are sound; where one lies
 /// through itself, or is crumpled, many times as many.
@@ -35,7 +35,7 @@ const TURNED: f64 = 1e-6;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
     pub(super) measured: Comparison,
-    /// Faces that are turned over.
+    /// Faces that are turned over, or without area.
     pub(super) turned: usize,
     /// Boxes and triangles that the fits of this and all attempts before it looked at.
     pub(super) looks: u64,

@@ -81,7 +81,8 @@ pub(super) struct Mending<'a> {
 }
 
 impl Mending<'_> {
-    /// Mends the bad places of a fit that was looked at closely; returns the positions and how many faces stay turned over.
+    /// Mends the bad places of a fit that was looked at closely; returns the positions and how many faces stay turned over
+    /// or without area.
     ///
     /// # Errors
     /// The progress function asked to stop.
@@ -101,11 +102,17 @@ impl Mending<'_> {
             looks -= used;
         }
         let turned = self.turned(&positions, &|| progress(1.0))?;
-        let turned: Vec<u32> = (0u32..).zip(&turned).filter(|(_, turned)| **turned).map(|(f, _)| f).collect();
+        let Self { target, fitted, places, .. } = *self;
+        let corners = |face: &[u32; 3], positions: &[DVec3]| face.map(|v| positions[v as usize]);
+        let is_flat = |corners| twice_area_over_longest(corners) < FLAT;
+        let turned: Vec<u32> = (0u32..)
+            .zip(fitted.pattern.faces().iter().zip(&turned))
+            .filter(|(_, (face, turned))| **turned || is_flat(corners(face, &positions)))
+            .map(|(f, _)| f)
+            .collect();
         if turned.is_empty() {
             return Ok((positions, 0));
         }
-        let Self { target, fitted, places, .. } = *self;
         let unfolding = Unfolding { target, fitted, places, pulls: &pulls, looks: self.unfolding };
         let before = positions.clone();
         unfolding.run(&mut positions, &turned, &|| progress(1.0))?;
@@ -114,7 +121,8 @@ impl Mending<'_> {
         let faces = (0u32..).zip(fitted.pattern.faces());
         let stay = faces
             .filter(|(f, face)| turned.binary_search(f).is_ok() || moved(face))
-            .filter(|(_, face)| target.beside(face.map(|v| positions[v as usize]), &mut cursor).0 <= 0.0);
+            .map(|(_, face)| corners(face, &positions))
+            .filter(|&face| is_flat(face) || target.beside(face, &mut cursor).0 <= 0.0);
         let count = stay.count();
         Ok((positions, count))
     }
@@ -251,6 +259,8 @@ impl Mending<'_> {
 /// Faces one thread looks at in a row, and chunks between two questions whether to go on.
 const CHUNK: usize = 1024;
 const BATCH: usize = 32;
+/// A face is flat, as bad as one that is turned over, below this part.
+const FLAT: f64 = 1e-6;
 /// Twice the area of a sliver is less than this part of its longest side's square.
 const SLIVER: f64 = 0.05;
 
