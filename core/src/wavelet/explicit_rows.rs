@@ -1,15 +1,35 @@
 //! The rows of the filter bank that the constant stencil does not serve: one for each irregular even vertex.
 
 use super::Wavelet;
+use super::coarse_discs::{CoarseDiscs, Rings, Scratch};
+use super::cones::{self, Cones};
 use super::regular_disc::RegularDisc;
 use super::regularity::{irregular_sites, is_coarse};
 use super::weights::WeightSolver;
-use crate::hierarchy::{Layout, Odd, Slot};
+use crate::hierarchy::{BaseMesh, Layout, Odd, Slot};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 /// Odd vertices looked at one after another by one thread.
 const RUN: usize = 256;
+
+/// What is solved, or to be solved, whatever the level.
+pub(super) struct Known {
+    pub(super) solver: WeightSolver,
+    pub(super) regular: RegularDisc,
+    pub(super) cones: Cones,
+    pub(super) coarse: CoarseDiscs,
+}
+
+impl Known {
+    /// Cost: the base mesh's valences.
+    pub(super) fn new(base: &BaseMesh, wavelet: Wavelet) -> Self {
+        let solver = WeightSolver::default();
+        let regular = RegularDisc::new(&solver, wavelet);
+        let cones = cones::cones(&solver, &regular, base, wavelet);
+        Self { solver, regular, cones, coarse: CoarseDiscs::default() }
+    }
+}
 
 /// The rows of one level.
 #[derive(Debug, Default)]
@@ -18,62 +38,62 @@ pub(super) struct ExplicitRows {
     numbers: FxHashMap<u32, u32>,
     /// Where each row begins, and where the last ends.
     starts: Vec<u32>,
-    /// Those of a row by odd vertex.
+    /// Those of a row, the last odd vertex last.
     taps: Vec<(Odd, i32)>,
 }
 
 impl ExplicitRows {
     /// Collects them in parallel; the same for any number of threads. Cost: the irregular vertices and what updates them.
-    pub(super) fn new(
-        solver: &WeightSolver,
-        regular: &RegularDisc,
-        layout: &Layout,
-        wavelet: Wavelet,
-    ) -> Self {
+    pub(super) fn new(known: &Known, (layout, finer): (&Layout, &Layout), wavelet: Wavelet) -> Self {
         let Wavelet::Disc(k) = wavelet else { return Self::default() };
-        let (numbers, count, odds) = if is_coarse(layout, wavelet) {
-            (FxHashMap::default(), layout.len(), (0..layout.odd_len()).map(Odd).collect())
-        } else {
-            let sites = irregular_sites(layout, wavelet);
-            let numbers = sites.iter().zip(0..).map(|(&site, at)| (layout.slot(site).0, at)).collect();
-            // Every odd vertex whose disc can reach one of these: edges with an end within k edges of one.
-            let mut odds: Vec<Odd> = layout
-                .disc(&sites, k)
-                .par_iter()
-                .with_min_len(RUN)
-                .flat_map_iter(|&end| {
-                    let around = layout.ring(end).around.into_iter();
-                    around.map(move |neighbour| layout.odd_at(layout.midpoint(end, neighbour)))
-                })
-                .collect();
-            odds.par_sort_unstable();
-            odds.dedup();
-            (numbers, sites.len() as u32, odds)
-        };
-        let number = |slot: Slot| match numbers.is_empty() {
-            true => Some(slot.0),
-            false => numbers.get(&slot.0).copied(),
-        };
-        let taps_of = |&odd: &Odd| {
-            let site = layout.odd_site(odd);
-            let stencil =
-                regular.stencil(layout, site).unwrap_or_else(|| solver.stencil(layout, site, wavelet));
-            let taps = stencil.vertices.into_iter().zip(stencil.weights);
-            taps.filter_map(move |(v, weight)| Some((number(layout.slot(v))?, odd, weight)))
-        };
-        let by_odd: Vec<(u32, Odd, i32)> = odds.par_iter().with_min_len(RUN).flat_map_iter(taps_of).collect();
-
-        // Counted into rows; within a row they stay in the order of the odd vertices.
-        let mut starts = vec![0; count as usize + 1];
-        by_odd.iter().for_each(|&(row, ..)| starts[row as usize + 1] += 1);
-        for row in 0..count as usize {
-            starts[row + 1] += starts[row];
+        let base = layout.base();
+        if is_coarse(layout, wavelet) {
+            let odds: Vec<Odd> = (0..layout.odd_len()).map(Odd).collect();
+            let rings = Rings::new(layout);
+            let (starts, taps) = collected(&odds, layout.len(), |odd, scratch, found| {
+                if layout.level() == cones::COARSEST {
+                    let chart = finer.chart(layout.odd_site(odd));
+                    if let Some(updated) = cones::updated(&known.cones, layout, chart) {
+                        updated.for_each(|(v, weight)| found(layout.slot(v).0, weight));
+                        return;
+                    }
+                }
+                known.coarse.updated(&known.solver, (layout, &rings), (odd, k), scratch, found);
+            });
+            return Self { numbers: FxHashMap::default(), starts, taps };
         }
-        let (mut next, mut taps) = (starts.clone(), vec![(Odd(0), 0); by_odd.len()]);
-        for (row, odd, weight) in by_odd {
-            let at = &mut next[row as usize];
-            taps[*at as usize] = (odd, weight);
-            *at += 1;
+        let mut sites = irregular_sites(layout, wavelet);
+        sites.retain(|&site| !cones::is_in_cone(layout, site, k));
+        let mut numbers: FxHashMap<u32, u32> =
+            sites.iter().zip(0..).map(|(&site, at)| (layout.slot(site).0, at)).collect();
+        // Every odd vertex whose disc can reach one of these: edges with an end within k edges of one.
+        let mut odds: Vec<Odd> = layout
+            .disc(&sites, k)
+            .par_iter()
+            .with_min_len(RUN)
+            .flat_map_iter(|&end| {
+                let around = layout.ring(end).around.into_iter();
+                around.map(move |neighbour| layout.odd_at(layout.midpoint(end, neighbour)))
+            })
+            .collect();
+        odds.par_sort_unstable();
+        odds.dedup();
+        let (mut starts, mut taps) = collected(&odds, sites.len() as u32, |odd, _, found| {
+            let site = layout.odd_site(odd);
+            let solve = || known.solver.stencil(layout, site, wavelet);
+            let stencil = known.regular.stencil(layout, site).unwrap_or_else(solve);
+            for (v, weight) in stencil.vertices.into_iter().zip(stencil.weights) {
+                if let Some(&row) = numbers.get(&layout.slot(v).0) {
+                    found(row, weight);
+                }
+            }
+        });
+        for vertex in (0..base.vertex_count()).filter(|&v| cones::is_apex(base, v) && !base.is_regular(v)) {
+            let cone = &known.cones[&base.fan(vertex).corners.len()];
+            cone.each_row(layout, vertex, &mut taps, |site, taps| {
+                numbers.insert(layout.slot(site).0, starts.len() as u32 - 1);
+                starts.push(taps.len() as u32);
+            });
         }
         Self { numbers, starts, taps }
     }
@@ -85,5 +105,81 @@ impl ExplicitRows {
             false => *self.numbers.get(&slot.0).expect("irregular vertices have explicit rows") as usize,
         };
         &self.taps[self.starts[at] as usize..self.starts[at + 1] as usize]
+    }
+}
+
+/// What odd vertices update, by row: where each begins, and the taps, which stay in the order of the odd vertices.
+fn collected(
+    odds: &[Odd],
+    count: u32,
+    updated: impl Fn(Odd, &mut Scratch, &mut dyn FnMut(u32, i32)) + Sync,
+) -> (Vec<u32>, Vec<(Odd, i32)>) {
+    let of_run = |scratch: &mut Scratch, run: &[Odd]| {
+        let mut found = Vec::with_capacity(24 * run.len());
+        let mut each = |&odd: &Odd| updated(odd, scratch, &mut |row, weight| found.push((row, odd, weight)));
+        run.iter().for_each(&mut each);
+        found
+    };
+    let runs = odds.par_chunks((odds.len() / 64).max(RUN));
+    let by_odd: Vec<Vec<(u32, Odd, i32)>> = runs.map_init(Scratch::default, of_run).collect();
+    let mut starts = vec![0; count as usize + 1];
+    by_odd.iter().flatten().for_each(|&(row, ..)| starts[row as usize + 1] += 1);
+    for row in 0..count as usize {
+        starts[row + 1] += starts[row];
+    }
+    let mut next = starts.clone();
+    let mut taps = vec![(Odd(0), 0); starts[count as usize] as usize];
+    for &(row, odd, weight) in by_odd.iter().flatten() {
+        let at = &mut next[row as usize];
+        taps[*at as usize] = (odd, weight);
+        *at += 1;
+    }
+    (starts, taps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hierarchy::{Hierarchy, Level};
+    use crate::mesh::shapes;
+    use crate::wavelet::Filters;
+    use std::sync::Arc;
+
+    /// Whatever way weights are found, they are those that are solved for each odd vertex on its own.
+    #[test]
+    fn rows_hold_what_every_odd_vertex_solves() {
+        for (name, mesh) in shapes::awkward() {
+            for sharp in [0, 3] {
+                let marks: Vec<[u32; 2]> = mesh.faces.iter().take(sharp).map(|f| [f[0], f[1]]).collect();
+                let base =
+                    BaseMesh::new(mesh.positions.len() as u32, mesh.faces.clone(), &marks).expect(name);
+                let finest = if mesh.faces.len() > 24 { Level(4) } else { Level(5) };
+                let hierarchy = Hierarchy::new(Arc::new(base), finest).expect("small");
+                for wavelet in Wavelet::ALL {
+                    let filters = Filters::new(&hierarchy, wavelet).expect("small valences");
+                    let solver = WeightSolver::default();
+                    for j in 0..finest.0 {
+                        let layout = hierarchy.layout(Level(j));
+                        let mut wanted = vec![Vec::new(); layout.len() as usize];
+                        for odd in (0..layout.odd_len()).map(Odd) {
+                            let stencil = solver.stencil(layout, layout.odd_site(odd), wavelet);
+                            for (&v, &weight) in stencil.vertices.iter().zip(&stencil.weights) {
+                                wanted[layout.slot(v).index()].push((odd, weight));
+                            }
+                        }
+                        for (slot, wanted) in (0..).zip(wanted) {
+                            let mut found = Vec::new();
+                            let site = layout.site(Slot(slot));
+                            filters.for_each_tap(layout, site, |odd, weight| found.push((odd, weight)));
+                            if let Some(row) = filters.explicit_row(layout, site) {
+                                assert!(row.iter().max() == row.last(), "{name}: the last comes last");
+                            }
+                            found.sort_unstable();
+                            assert!(found == wanted, "{name}, {wavelet}, level {j}, {sharp} marks: {site:?}");
+                        }
+                    }
+                }
+            }
+        }
     }
 }

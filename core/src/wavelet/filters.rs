@@ -5,8 +5,7 @@
 //! wrap around.
 
 use super::Wavelet;
-use super::explicit_rows::ExplicitRows;
-use super::regular_disc::RegularDisc;
+use super::explicit_rows::{ExplicitRows, Known};
 use super::regularity::is_regular;
 use super::rows::Stencil;
 use super::weights::{LARGEST_DISC, WeightSolver};
@@ -54,11 +53,11 @@ impl Filters {
         {
             refuse_high_valence(hierarchy, wavelet)?;
         }
-        let solver = WeightSolver::default();
-        let regular = regular_taps(&solver, wavelet);
-        let disc = RegularDisc::new(&solver, wavelet);
+        let known = Known::new(hierarchy.base(), wavelet);
+        let regular = regular_taps(&known.solver, wavelet);
+        let layouts = |level: Level| (hierarchy.layout(level), hierarchy.layout(level.finer()));
         let explicit = (0..hierarchy.finest().0)
-            .map(|j| ExplicitRows::new(&solver, &disc, hierarchy.layout(Level(j)), wavelet))
+            .map(|j| ExplicitRows::new(&known, layouts(Level(j)), wavelet))
             .collect();
         let taps = regular.iter().flat_map(|row| row.taps.iter().map(|&(di, w)| (row.dr, di, w)));
         let stencil = Stencil::new(taps);
@@ -108,7 +107,7 @@ impl Filters {
     }
 
     /// The taps of an irregular even vertex.
-    fn explicit_row(&self, layout: &Layout, site: Site) -> Option<&[(Odd, i32)]> {
+    pub(super) fn explicit_row(&self, layout: &Layout, site: Site) -> Option<&[(Odd, i32)]> {
         if is_regular(layout, site, self.wavelet) {
             return None;
         }
@@ -153,7 +152,7 @@ impl Filters {
 
 /// `Σ w d` over the taps of one row.
 fn explicit_sum<const N: usize>(row: &[(Odd, i32)], d: &[[i32; N]]) -> [i64; N] {
-    // Three channels are read four at a time, which the last detail does not allow. Taps are in order.
+    // Three channels are read four at a time, which the last detail does not allow. The last comes last.
     let end = row.last().map_or(0, |(odd, _)| 3 * odd.index() + 4);
     if N == 3 && end <= 3 * d.len() {
         let sum = Arch::new().dispatch(FourLanes { row, d: d.as_flattened() });

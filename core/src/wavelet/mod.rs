@@ -2,6 +2,8 @@
 //!
 //! Whole levels are transformed by [`rows`]; [`lifting`] is the plain reference, which gives the same bits.
 
+mod coarse_discs;
+mod cones;
 mod explicit_rows;
 mod filters;
 pub mod lifting;

@@ -10,7 +10,7 @@ use crate::hierarchy::{Layout, Site};
 use std::ops::Range;
 
 /// Even vertices within so many edges of something irregular are irregular themselves.
-fn margin(k: u8) -> u32 {
+pub(super) fn margin(k: u8) -> u32 {
     2 * u32::from(k) + 1
 }
 
