@@ -32,9 +32,9 @@ impl Frame {
         }
         let shift = (64 - size[axis].leading_zeros()).saturating_sub(31);
         let [a, b, c] = [0, 1, 2].map(|k| normal[(axis + k) % 3] >> shift);
-        let slopes = [b, c].map(|x| (x << BITS) / a);
+        let slopes = [b, c].map(|x| quotient(x << BITS, a));
         let square = (1 << (2 * BITS)) + slopes[0] * slopes[0] + slopes[1] * slopes[1];
-        let shares = slopes.map(|x| (x << (2 * BITS)) / square);
+        let shares = slopes.map(|x| quotient(x << (2 * BITS), square));
         Self {
             slopes: slopes.map(|x| x as i16),
             shares: shares.map(|x| x as i16),
@@ -77,6 +77,14 @@ impl Frame {
     }
 }
 
+/// `x / y` towards zero for `|x| < 2^46`, `|y| < 2^32` and a result of some 2^14: several times faster than dividing integers,
+/// and the same. Both are exact as `f64`, the quotient is rounded by less than 2^−37, and one that is no integer is 2^−32 or
+/// more from the next.
+#[inline(always)]
+fn quotient(x: i64, y: i64) -> i64 {
+    (x as f64 / y as f64) as i64
+}
+
 /// The frames of the odd vertices of a level, from positions of its vertices by slot: each about the sum of its parents'
 /// normals. A vertex's normal is the sum of `(b − a) × (c − a)` over its faces, modulo 2^64. `O(n_j)`.
 pub(super) fn frames(hierarchy: &Hierarchy, level: Level, positions: &[Vector]) -> Vec<Frame> {
@@ -116,6 +124,15 @@ mod tests {
             let frame = Frame::about(normal.map(|x| x >> shift));
             prop_assert_eq!(frame.turn_back(frame.turn(d)), d);
             prop_assert_eq!(frame.turn(frame.turn_back(d)), d);
+        }
+
+        /// The quotients of frames are those of integers, for sizes that just divide too.
+        #[test]
+        fn quotients_are_exact(y in 1i64..1 << 31, share in -16_400i64..=16_400, off in -2i64..=2, down: bool) {
+            for y in [y, (1 << 31) - (y >> 20), 1 << 30] {
+                let (x, y) = (share * y + off, if down { -y } else { y });
+                prop_assert_eq!(quotient(x, y), x / y);
+            }
         }
 
         /// A coefficient along the normal has a normal part alone, and it points outwards.

@@ -1,7 +1,7 @@
 //! An adaptive binary range coder (docs/FORMAT.md, "Range coder").
 //!
 //! Based on: Martin, "Range encoding: an algorithm for removing redundancy from a digitised message", 1979; carries are
-//! handed on as in Subbotin's and Pavlov's coders. All arithmetic is on integers and part of the file format.
+//! added to the bytes that are there. All arithmetic is on integers and part of the file format.
 //!
 //! Encoder and decoder are two [`Coder`]s, so that what is coded is written down once and runs both ways.
 
@@ -58,7 +58,7 @@ const SHARES: [i32; MOST_SEEN as usize + 1] = {
 
 /// One direction of coding. An encoder writes what it is given and returns it; a decoder ignores it and returns what it
 /// reads.
-pub(super) trait Coder {
+pub(super) trait Coder: Send {
     /// Whether the values given are those to be coded.
     const WRITES: bool;
 
@@ -83,34 +83,29 @@ pub(super) trait Coder {
 }
 
 /// Writes a stream.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Encoder {
+    /// A carry into the bytes stands above the lower 32 bits.
     low: u64,
-    width: Width,
-    /// The last byte that a carry may still change, and how many 0xff follow it.
-    last: Option<u8>,
-    full: usize,
+    range: u32,
     bytes: Vec<u8>,
 }
 
-#[derive(Debug)]
-struct Width(u32);
-
-impl Default for Width {
+impl Default for Encoder {
     fn default() -> Self {
-        Self(u32::MAX)
+        Self { low: 0, range: u32::MAX, bytes: Vec::new() }
     }
 }
 
 impl Encoder {
     /// How many bytes a decoder needs to read all that has been written.
     pub(super) fn position(&self) -> usize {
-        self.bytes.len() + self.full + usize::from(self.last.is_some()) + AHEAD
+        self.bytes.len() + AHEAD
     }
 
     /// The whole stream.
     pub(super) fn finish(mut self) -> Vec<u8> {
-        for _ in 0..=AHEAD {
+        for _ in 0..AHEAD {
             self.shift();
         }
         self.bytes
@@ -118,24 +113,31 @@ impl Encoder {
 
     #[inline(always)]
     fn normalise(&mut self) {
-        while self.width.0 < LEAST_RANGE {
-            self.width.0 <<= 8;
+        while self.range < LEAST_RANGE {
+            self.range <<= 8;
             self.shift();
         }
     }
 
     /// Moves the top byte of `low` out.
+    #[inline(always)]
     fn shift(&mut self) {
-        if self.low < 0xff00_0000 || self.low > 0xffff_ffff {
-            let carry = (self.low >> 32) as u8;
-            self.bytes.extend(self.last.map(|last| last.wrapping_add(carry)));
-            self.bytes.extend(std::iter::repeat_n(0xffu8.wrapping_add(carry), self.full));
-            self.full = 0;
-            self.last = Some((self.low >> 24) as u8);
-        } else {
-            self.full += 1;
+        if self.low > 0xffff_ffff {
+            self.carry();
         }
+        self.bytes.push((self.low >> 24) as u8);
         self.low = self.low << 8 & 0xffff_ff00;
+    }
+
+    /// Adds one to the bytes.
+    #[cold]
+    fn carry(&mut self) {
+        for byte in self.bytes.iter_mut().rev() {
+            *byte = byte.wrapping_add(1);
+            if *byte != 0 {
+                break;
+            }
+        }
     }
 }
 
@@ -144,12 +146,12 @@ impl Coder for Encoder {
 
     #[inline]
     fn bit(&mut self, model: &mut Model, bit: bool) -> bool {
-        let bound = model.bound(self.width.0);
+        let bound = model.bound(self.range);
         if bit {
-            self.width.0 = bound;
+            self.range = bound;
         } else {
             self.low += u64::from(bound);
-            self.width.0 -= bound;
+            self.range -= bound;
         }
         model.learn(bit);
         self.normalise();
@@ -158,8 +160,8 @@ impl Coder for Encoder {
 
     #[inline]
     fn raw(&mut self, count: u32, bits: u32) -> u32 {
-        self.width.0 >>= count;
-        self.low += u64::from(self.width.0) * u64::from(bits);
+        self.range >>= count;
+        self.low += u64::from(self.range) * u64::from(bits);
         self.normalise();
         bits
     }
@@ -173,38 +175,51 @@ impl Coder for Encoder {
 #[derive(Debug)]
 pub(super) struct Decoder<'a> {
     bytes: &'a [u8],
+    /// How many bytes have been fetched.
     at: usize,
-    code: u32,
+    /// The code in the upper half, below it what has been fetched beyond.
+    window: u64,
+    /// How many bits have been fetched beyond the code: two bytes at least.
+    beyond: u32,
     range: u32,
 }
 
 impl<'a> Decoder<'a> {
     /// Begins to read.
     pub(super) fn new(bytes: &'a [u8]) -> Self {
-        let mut decoder = Self { bytes, at: 0, code: 0, range: u32::MAX };
-        for _ in 0..AHEAD {
-            decoder.code = decoder.code << 8 | decoder.next();
+        let mut decoder = Self { bytes, at: 0, window: 0, beyond: 0, range: u32::MAX };
+        for byte in 0..2 * AHEAD as u32 {
+            decoder.window |= decoder.next() << (56 - 8 * byte);
         }
+        decoder.beyond = 32;
         decoder
     }
 
     /// How many bytes have been read.
     pub(super) fn position(&self) -> usize {
-        self.at
+        self.at - (self.beyond / 8) as usize
     }
 
     #[inline(always)]
-    fn next(&mut self) -> u32 {
+    fn next(&mut self) -> u64 {
         let byte = self.bytes.get(self.at).copied().unwrap_or(0);
         self.at += 1;
-        u32::from(byte)
+        u64::from(byte)
     }
 
     #[inline(always)]
     fn normalise(&mut self) {
-        while self.range < LEAST_RANGE {
-            self.range <<= 8;
-            self.code = self.code << 8 | self.next();
+        if self.range < LEAST_RANGE {
+            // Two bytes at most: neither a bit nor 16 of them make the range smaller than 2^8.
+            let bits = self.range.leading_zeros() & !7;
+            self.range <<= bits;
+            self.window <<= bits;
+            self.beyond -= bits;
+            if self.beyond < 16 {
+                let pair = self.next() << 8 | self.next();
+                self.window |= pair << (16 - self.beyond);
+                self.beyond += 16;
+            }
         }
     }
 }
@@ -215,11 +230,12 @@ impl Coder for Decoder<'_> {
     #[inline]
     fn bit(&mut self, model: &mut Model, _: bool) -> bool {
         let bound = model.bound(self.range);
-        let bit = self.code < bound;
+        let wide = u64::from(bound) << 32;
+        let bit = self.window < wide;
         if bit {
             self.range = bound;
         } else {
-            self.code -= bound;
+            self.window -= wide;
             self.range -= bound;
         }
         model.learn(bit);
@@ -231,14 +247,14 @@ impl Coder for Decoder<'_> {
     fn raw(&mut self, count: u32, _: u32) -> u32 {
         self.range >>= count;
         // A sound stream never exceeds the most; a forged one must not either.
-        let bits = (self.code / self.range).min((1 << count) - 1);
-        self.code = self.code.wrapping_sub(bits.wrapping_mul(self.range));
+        let bits = ((self.window >> 32) as u32 / self.range).min((1 << count) - 1);
+        self.window -= u64::from(bits * self.range) << 32;
         self.normalise();
         bits
     }
 
     fn is_exhausted(&self) -> bool {
-        self.at > self.bytes.len()
+        self.position() > self.bytes.len()
     }
 }
 
