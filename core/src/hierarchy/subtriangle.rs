@@ -31,6 +31,22 @@ impl Subtriangle {
         self.face as usize * (n as usize * n as usize) + within as usize
     }
 
+    /// The one with a number.
+    pub fn numbered(index: usize, n: u32) -> Self {
+        let (per_face, n) = (n as usize * n as usize, n as usize);
+        let within = index % per_face;
+        // From row r on there are (n − r)² of a face's triangles.
+        let left = (per_face - within - 1).isqrt() + 1;
+        let r = n - left;
+        let along = within - r * (2 * n - r);
+        Self {
+            face: (index / per_face) as u32,
+            i: (along / 2) as u32,
+            r: r as u32,
+            down: !along.is_multiple_of(2),
+        }
+    }
+
     /// Its corners as lattice places `(i, r)`.
     pub fn corners(self) -> [[u32; 2]; 3] {
         let (i, r) = (self.i, self.r);
@@ -155,6 +171,7 @@ mod tests {
             let mut seen = vec![false; level.len()];
             for triangle in &level {
                 assert!(!std::mem::replace(&mut seen[triangle.index(n)], true), "{triangle:?} at {n}");
+                assert_eq!(Subtriangle::numbered(triangle.index(n), n), *triangle);
                 for child in triangle.children() {
                     assert_eq!(child.parent(), *triangle);
                 }

@@ -36,10 +36,13 @@ impl<'a> Ruler<'a> {
 
     fn turn_to(&mut self, level: Level) {
         let (hierarchy, finest) = (self.whole.hierarchy(), self.whole.finest());
-        let triangles = hierarchy.triangles(level);
-        let count = triangles.len() as u32;
-        let chosen =
-            |sample: u32| triangles[if count <= SAMPLES { sample } else { spread(sample, count) } as usize];
+        let (layout, count) = (hierarchy.layout(level), hierarchy.face_count(level) as u32);
+        let chosen = |sample: u32| {
+            let index = if count <= SAMPLES { sample } else { spread(sample, count) };
+            let triangle = Subtriangle::numbered(index as usize, layout.segments());
+            let n = layout.segments();
+            triangle.corners().map(|[i, r]| layout.slot(layout.site_at(triangle.face, [n - i - r, i, r])).0)
+        };
         let exact = self.whole.scaling(finest);
         let at_finest = |slot: u32| exact[hierarchy.refine_slot(level, finest, Slot(slot)).index()];
         self.corners = (0..count.min(SAMPLES)).map(chosen).collect();
