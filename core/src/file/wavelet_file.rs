@@ -10,7 +10,7 @@ use super::FileError;
 use super::chunk::{self, Chunk, Kind, Stop};
 use super::header::{self, Header};
 use super::held::surface_of;
-use super::progressive::{Coding, Encoded, Granularity};
+use super::progressive::{Encoded, Granularity};
 use super::progressive::{decode_base, decode_stream, encode_base, encode_stream};
 use crate::hierarchy::{BaseMesh, Hierarchy, Level, PublicId};
 use crate::surface::{Surface, SurfaceHash};
@@ -150,16 +150,12 @@ pub(super) fn encode_parts(model: &Model, stream: &Encoded, parts: Parts) -> Vec
 
 fn stream_of(surface: &Surface) -> Encoded {
     let vertices = surface.scaling(surface.finest()).len();
-    stream(surface, if vertices > FINE_UP_TO { Granularity::Coarse } else { Granularity::Fine })
+    encode_stream(surface, if vertices > FINE_UP_TO { Granularity::Coarse } else { Granularity::Fine })
 }
 
 /// The stream that is the best to cut.
 pub(super) fn finest_stream(surface: &Surface) -> Encoded {
-    stream(surface, Granularity::Fine)
-}
-
-fn stream(surface: &Surface, granularity: Granularity) -> Encoded {
-    encode_stream(surface, Coding::best(surface), granularity)
+    encode_stream(surface, Granularity::Fine)
 }
 
 /// The stream in chunks, each with the error that it leaves: cut at borders where they are not too far apart.

@@ -4,9 +4,13 @@
 //! offered is taken. So the writer may choose another order, and pays for it only where it does.
 
 mod base;
+mod borders;
 mod choice;
 mod errors;
 
+use self::base::Known;
+pub(in crate::file) use self::borders::{Border, Encoded};
+use self::borders::{filled, measured_after};
 pub(in crate::file) use self::choice::Granularity;
 use self::choice::{Choice, coarsest, last_plane};
 use self::errors::Ruler;
@@ -15,12 +19,13 @@ use super::finish::{self, finish};
 use super::frames::{Frame, frames};
 use super::planes::{Block, CLASSES, Level as Planes, Models, code};
 use super::range_coder::{Coder, Decoder, Encoder, Model};
-use super::transform::{Coding, Transform};
+use super::transform::{Coded, Coding, Transform};
 use super::visit::of_odds;
 use crate::hierarchy::{Hierarchy, Level};
 use crate::surface::{Surface, Vector};
 use crate::wavelet::Filters;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Planes are counted to here: magnitudes are below 2^30.
 const MOST_PLANES: u32 = 30;
@@ -61,6 +66,56 @@ struct State<'a> {
     order: OrderModels,
     /// The positions of a level, as long as nothing coarser has changed.
     synthesised: Option<(usize, Vec<Vector>)>,
+    /// The level that a reader has begun last, if its frames are still to be made: they are not needed to read its first
+    /// block, so another thread can make them meanwhile.
+    frameless: Option<usize>,
+}
+
+/// What is known below a level, to make its positions of.
+struct Below<'a> {
+    transform: Transform<'a>,
+    base: Known<'a>,
+    levels: &'a [Details],
+    kept: Option<&'a (usize, Vec<Vector>)>,
+}
+
+impl Below<'_> {
+    fn positions(&self) -> Vec<Vector> {
+        let (from, mut positions) = match self.kept {
+            Some((kept, positions)) if *kept <= self.levels.len() => (*kept, Cow::Borrowed(positions)),
+            _ => (0, Cow::Owned(self.base.middles())),
+        };
+        for (j, details) in self.levels.iter().enumerate().skip(from) {
+            let (hierarchy, level) = (self.transform.hierarchy, Level(j as u8));
+            let details = details.coefficients(hierarchy, level);
+            positions = Cow::Owned(self.transform.synthesise_level(level, &positions, &details));
+        }
+        positions.into_owned()
+    }
+}
+
+impl Details {
+    /// `d^j` as far as it is known.
+    fn coefficients(&self, hierarchy: &Hierarchy, level: Level) -> Vec<Vector> {
+        let (coarse, fine) = (hierarchy.layout(level), hierarchy.layout(level.finer()));
+        if self.frames.is_empty() {
+            return vec![[0; 3]; coarse.odd_len() as usize];
+        }
+        of_odds(coarse, fine, |odd, slot, _| {
+            let known = self.known[slot as usize];
+            let mut local = [0; 3];
+            for (class, range) in CLASSES.into_iter().enumerate() {
+                let plane = match self.cut {
+                    Some((first, above)) if odd >= first => above[class],
+                    _ => self.planes[class],
+                };
+                for c in range {
+                    local[c] = restored(known[c], plane);
+                }
+            }
+            self.frames[odd as usize].turn_back(local)
+        })
+    }
 }
 
 /// The models of what stands between blocks.
@@ -126,101 +181,115 @@ impl State<'_> {
     }
 
     fn synthesise(&self, level: usize) -> Vec<Vector> {
-        let (from, mut positions) = match &self.synthesised {
-            Some((kept, positions)) if *kept <= level => (*kept, positions.clone()),
-            _ => (0, self.known_base()),
-        };
-        for j in from..level {
-            positions = self.transform.synthesise_level(Level(j as u8), &positions, &self.details(j));
-        }
-        positions
+        self.below(level).positions()
     }
 
-    /// `d^j` as far as it is known.
-    fn details(&self, j: usize) -> Vec<Vector> {
-        let (coarse, fine) =
-            (self.hierarchy.layout(Level(j as u8)), self.hierarchy.layout(Level(j as u8 + 1)));
-        let details = &self.levels[j];
-        if details.known.is_empty() {
-            return vec![[0; 3]; coarse.odd_len() as usize];
+    /// What is known below a level.
+    fn below(&self, level: usize) -> Below<'_> {
+        Below {
+            transform: self.transform,
+            base: Known { positions: &self.base, plane: self.base_plane, cut: self.base_cut },
+            levels: &self.levels[..level],
+            kept: self.synthesised.as_ref(),
         }
-        of_odds(coarse, fine, |odd, slot, _| {
-            let known = details.known[slot as usize];
-            let mut local = [0; 3];
-            for (class, range) in CLASSES.into_iter().enumerate() {
-                let plane = match details.cut {
-                    Some((first, above)) if odd >= first => above[class],
-                    _ => details.planes[class],
-                };
-                for c in range {
-                    local[c] = restored(known[c], plane);
-                }
-            }
-            details.frames[odd as usize].turn_back(local)
-        })
+    }
+
+    /// Makes the frames that a reader has put off.
+    fn make_frames(&mut self) {
+        if let Some(j) = self.frameless.take() {
+            let hierarchy = self.hierarchy;
+            self.levels[j].frames = frames(hierarchy, Level(j as u8), self.positions(j));
+        }
+    }
+
+    /// Works on a level with what is known below it, and makes its frames meanwhile if they have been put off.
+    fn on_level<T: Send>(
+        &mut self,
+        j: usize,
+        work: impl FnOnce(&mut Models, &mut finish::Models, &mut Details, &[Details]) -> T + Send,
+    ) -> T {
+        let (below, rest) = self.levels.split_at_mut(j);
+        let (levels, details) = (&*below, &mut rest[0]);
+        let (models, finishing) = (&mut self.models, &mut self.finishing);
+        if self.frameless.take_if(|level| *level == j).is_none() {
+            return work(models, finishing, details, levels);
+        }
+        let base = Known { positions: &self.base, plane: self.base_plane, cut: self.base_cut };
+        let below = Below { transform: self.transform, base, levels, kept: self.synthesised.as_ref() };
+        let make = || {
+            let positions = below.positions();
+            (frames(self.hierarchy, Level(j as u8), &positions), positions)
+        };
+        let ((frames, positions), done) =
+            rayon::join(make, || work(models, finishing, &mut *details, levels));
+        details.frames = frames;
+        self.synthesised = Some((j, positions));
+        done
     }
 
     /// Gets a level ready for its first block: its frames are those of the positions known now, and never change. Then
     /// each class's highest plane, counted down from the level's.
     fn begin<C: Coder>(&mut self, coder: &mut C, j: usize, truth: &mut Truth) {
-        let hierarchy = self.hierarchy;
-        let frames = frames(hierarchy, Level(j as u8), self.positions(j));
-        let details = &mut self.levels[j];
+        self.frameless = Some(j);
         if C::WRITES {
-            truth.local[j].par_iter_mut().zip(&frames).for_each(|(d, frame)| *d = frame.turn(*d));
+            self.make_frames();
+            let frames = &self.levels[j].frames;
+            truth.local[j].par_iter_mut().zip(frames).for_each(|(d, frame)| *d = frame.turn(*d));
         }
+        let details = &mut self.levels[j];
         for class in 0..2 {
             let plane = if C::WRITES { highest(&truth.local[j], class) } else { 0 };
             let most = details.planes[class];
             details.planes[class] = most.saturating_sub(coder.raw(5, most.wrapping_sub(plane) & 31));
         }
-        details.frames = frames;
         details.known = vec![[0; 3]; self.hierarchy.layout(Level(j as u8 + 1)).len() as usize];
     }
 
     /// Codes a block of a level; whether all of it was there.
     fn block<C: Coder>(&mut self, coder: &mut C, j: usize, block: Block, truth: &[Vector]) -> bool {
-        let (before, rest) = self.levels.split_at_mut(j);
-        let mut planes = Planes {
-            coarse: self.hierarchy.layout(Level(j as u8)),
-            fine: self.hierarchy.layout(Level(j as u8 + 1)),
-            known: &mut rest[0].known,
-            parents: before.last().map_or(&[], |details| &details.known),
-            truth,
-        };
-        let stopped = code(coder, &mut self.models, block, &mut planes).err();
-        rest[0].cut = stopped.map(|first| (first, rest[0].planes));
-        rest[0].planes[block.class] = block.to;
+        let (coarse, fine) =
+            (self.hierarchy.layout(Level(j as u8)), self.hierarchy.layout(Level(j as u8 + 1)));
+        let done = self.on_level(j, |models, _, details, below| {
+            let parents: &[Vector] = below.last().map_or(&[], |details| &details.known);
+            let mut planes = Planes { coarse, fine, known: &mut details.known, parents, truth };
+            let stopped = code(coder, models, block, &mut planes).err();
+            details.cut = stopped.map(|first| (first, details.planes));
+            details.planes[block.class] = block.to;
+            stopped.is_none()
+        });
         self.changed(Some(j));
-        stopped.is_none()
+        done
     }
 
     /// Codes all that is missing of a level; whether it was there.
     fn finish<C: Coder>(&mut self, coder: &mut C, j: usize, truth: &[Vector]) -> bool {
-        let (hierarchy, level) = (self.hierarchy, Level(j as u8));
+        let (coarse, fine) =
+            (self.hierarchy.layout(Level(j as u8)), self.hierarchy.layout(Level(j as u8 + 1)));
         let predicted = if self.transform.bends() { Vec::new() } else { self.predicted(j) };
-        let (before, rest) = self.levels.split_at_mut(j);
-        let details = &mut rest[0];
-        details.residuals = vec![[0; 3]; details.known.len()];
-        let mut parts = finish::Parts {
-            coarse: hierarchy.layout(level),
-            fine: hierarchy.layout(Level(j as u8 + 1)),
-            known: &mut details.known,
-            residuals: &mut details.residuals,
-            parents: before.last().map_or(&[], |details| &details.residuals),
-            predicted: &predicted,
-            truth,
-            from: details.planes,
-        };
-        let stopped = finish(coder, &mut self.finishing, &mut parts).err();
-        details.cut = stopped.map(|first| (first, details.planes));
-        details.planes = [0; 2];
+        let done = self.on_level(j, |_, models, details, below| {
+            details.residuals = vec![[0; 3]; details.known.len()];
+            let mut parts = finish::Parts {
+                coarse,
+                fine,
+                known: &mut details.known,
+                residuals: &mut details.residuals,
+                parents: below.last().map_or(&[], |details| &details.residuals),
+                predicted: &predicted,
+                truth,
+                from: details.planes,
+            };
+            let stopped = finish(coder, models, &mut parts).err();
+            details.cut = stopped.map(|first| (first, details.planes));
+            details.planes = [0; 2];
+            stopped.is_none()
+        });
         self.changed(Some(j));
-        stopped.is_none()
+        done
     }
 
     /// What a smooth surface through the positions known of `M^j` has for the components of its odd vertices.
     fn predicted(&mut self, j: usize) -> Vec<Vector> {
+        self.make_frames();
         let hierarchy = self.hierarchy;
         let mut predicted = bends(hierarchy, Level(j as u8), self.positions(j), Curves::Ignored);
         predicted
@@ -292,6 +361,9 @@ impl State<'_> {
             return false;
         }
         let to = plane - count.min(plane);
+        if !matches!((step, self.frameless), (Step::Refine(j, _), Some(level)) if j == level) {
+            self.make_frames();
+        }
         match step {
             Step::Base => self.base_block(coder, to, &truth.base),
             Step::Begin(j) => {
@@ -309,88 +381,12 @@ impl State<'_> {
     }
 }
 
-/// A place where a stream can be cut at no loss.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::file) struct Border {
-    /// How many bytes are read here.
-    pub(in crate::file) position: usize,
-    /// The root of the mean squared distance to the whole, in steps; 0 only where nothing is missing.
-    pub(in crate::file) error: f64,
-}
-
-/// A stream and its borders, the last its end.
-pub(in crate::file) struct Encoded {
-    pub(in crate::file) coding: Coding,
-    pub(in crate::file) bytes: Vec<u8>,
-    pub(in crate::file) borders: Vec<Border>,
-}
-
-impl Encoded {
-    /// The error after so many bytes, from the first border on: in a block, which goes from vertex to vertex, the square
-    /// falls evenly.
-    pub(in crate::file) fn error_at(&self, position: usize) -> f64 {
-        match self.borders.partition_point(|border| border.position <= position) {
-            0 => self.borders[0].error,
-            at if at == self.borders.len() => self.borders[at - 1].error,
-            at => between(self.borders[at - 1], self.borders[at], position),
-        }
-    }
-}
-
-fn between(before: Border, after: Border, position: usize) -> f64 {
-    let share = (position - before.position) as f64 / (after.position - before.position) as f64;
-    let squared = |border: Border| border.error * border.error;
-    ((1.0 - share) * squared(before) + share * squared(after)).sqrt()
-}
-
-/// Borders of which some are measured, the first and the last among them: at the others errors are taken to fall evenly,
-/// or, before the end, their squares.
-fn filled(measured: &[(usize, Option<f64>)]) -> Vec<Border> {
-    let mut borders: Vec<Border> = Vec::with_capacity(measured.len());
-    for (at, &(position, error)) in measured.iter().enumerate() {
-        let error = error.unwrap_or_else(|| {
-            let next = |&(position, error): &(usize, Option<f64>)| Some(Border { position, error: error? });
-            let after = measured[at..].iter().find_map(next).expect("the last is measured");
-            let before = borders[at - 1];
-            let share =
-                (position - before.position) as f64 / (after.position - before.position).max(1) as f64;
-            match after.error > 0.0 {
-                true => before.error + share * (after.error - before.error),
-                false => between(before, after, position.min(after.position)),
-            }
-        });
-        borders.push(Border { position, error });
-    }
-    borders
-}
-
-/// Borders are measured that are so many bytes at least from the last one measured.
-const MEASURED_EVERY: usize = 128;
-
-/// And so far from one after `before` bytes: the more vertices, the longer measuring takes beside writing.
-fn measured_after(before: usize, vertices: usize) -> usize {
-    let apart = match vertices {
-        0..=16_384 => before / 4,
-        16_385..=65_536 => before,
-        _ => 3 * before,
-    };
-    apart.max(MEASURED_EVERY)
-}
-
 /// Writes a surface as a stream. `O(n_J)` for each plane.
-pub(in crate::file) fn encode_stream(surface: &Surface, coding: Coding, granularity: Granularity) -> Encoded {
+pub(in crate::file) fn encode_stream(surface: &Surface, granularity: Granularity) -> Encoded {
     let (hierarchy, finest) = (surface.hierarchy(), surface.finest());
-    let others =
-        coding.filters(hierarchy, surface.form().wavelet).expect("the writer chose what can be solved");
-    let transform =
-        Transform { coding, hierarchy, filters: others.as_ref().unwrap_or_else(|| surface.filters()) };
-    let (base, local) = match coding {
-        Coding::Own => {
-            let details = (0..finest.0).map(|j| surface.wavelets(Level(j)).to_vec());
-            (surface.scaling(Level::BASE).to_vec(), details.collect())
-        }
-        _ => transform.analyse(surface.scaling(finest)),
-    };
+    let Coded { coding, filters, base, details: local } = Coded::best(surface);
+    let filters = filters.as_ref().unwrap_or_else(|| surface.filters());
+    let transform = Transform { coding, hierarchy, filters };
     let mut truth = Truth { base, local };
     let last_plane = last_plane(truth.local.last());
     let mut state = State::new(transform);
@@ -472,8 +468,8 @@ pub(in crate::file) fn decode_stream(
     }
     let held = match coding {
         Coding::Own => Held::Coefficients(
-            state.known_base(),
-            (0..state.levels.len()).map(|j| state.details(j)).collect(),
+            state.below(0).base.middles(),
+            (0..).zip(&state.levels).map(|(j, d)| d.coefficients(hierarchy, Level(j))).collect(),
         ),
         _ => Held::Finest(state.synthesise(state.levels.len())),
     };
@@ -494,6 +490,7 @@ impl<'a> State<'a> {
             models: Models::default(),
             finishing: finish::Models::default(),
             synthesised: None,
+            frameless: None,
             order: OrderModels::default(),
         }
     }

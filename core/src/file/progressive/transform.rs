@@ -46,26 +46,6 @@ impl Coding {
         if own == Wavelet::Lazy { Wavelet::Disc(0) } else { own }
     }
 
-    /// The butterfly scheme with the surface's own update, or with the 0-disc one where that is lazy; the surface's own
-    /// transform where its coefficients have fewer bits, as those of flat faces without marked edges. `O(n_J)`.
-    pub(in crate::file) fn best(surface: &Surface) -> Self {
-        let hierarchy = surface.hierarchy();
-        let coding = Coding::Butterfly(Self::smooth_update(surface.form().wavelet));
-        let others =
-            coding.filters(hierarchy, surface.form().wavelet).expect("small systems, or solved before");
-        let filters = others.as_ref().unwrap_or_else(|| surface.filters());
-        let (_, details) =
-            Transform { coding, hierarchy, filters }.analyse(surface.scaling(surface.finest()));
-        let unseen = u32::from(surface.form().precision.saturating_sub(SEEN_BITS));
-        let bits = |details: &[Vector]| -> u64 {
-            let of = |x: &i32| u64::from(32 - (x.unsigned_abs() >> unseen).leading_zeros());
-            details.par_iter().map(|d| d.iter().map(of).sum::<u64>()).sum()
-        };
-        let smooth: u64 = details.iter().map(|details| bits(details)).sum();
-        let own: u64 = (0..surface.finest().0).map(|j| bits(surface.wavelets(Level(j)))).sum();
-        if own < smooth { Coding::Own } else { coding }
-    }
-
     /// The weights of its update; `None` if they are those of the surface's wavelet.
     ///
     /// # Errors
@@ -79,6 +59,43 @@ impl Coding {
             Coding::Butterfly(wavelet) if wavelet != own => Filters::new(hierarchy, wavelet).map(Some),
             _ => Ok(None),
         }
+    }
+}
+
+/// A surface in the transform that is best for it.
+pub(super) struct Coded {
+    pub(super) coding: Coding,
+    /// The weights of its update; `None` for the surface's.
+    pub(super) filters: Option<Filters>,
+    /// `c^0`.
+    pub(super) base: Vec<Vector>,
+    /// Each `d^j`.
+    pub(super) details: Vec<Vec<Vector>>,
+}
+
+impl Coded {
+    /// The butterfly scheme with the surface's own update, or with the 0-disc one where that is lazy; the surface's own
+    /// transform where its coefficients have fewer bits, as those of flat faces without marked edges. `O(n_J)`.
+    pub(super) fn best(surface: &Surface) -> Self {
+        let hierarchy = surface.hierarchy();
+        let coding = Coding::Butterfly(Coding::smooth_update(surface.form().wavelet));
+        let others =
+            coding.filters(hierarchy, surface.form().wavelet).expect("small systems, or solved before");
+        let filters = others.as_ref().unwrap_or_else(|| surface.filters());
+        let (base, details) =
+            Transform { coding, hierarchy, filters }.analyse(surface.scaling(surface.finest()));
+        let unseen = u32::from(surface.form().precision.saturating_sub(SEEN_BITS));
+        let bits = |details: &[Vector]| -> u64 {
+            let of = |x: &i32| u64::from(32 - (x.unsigned_abs() >> unseen).leading_zeros());
+            details.par_iter().map(|d| d.iter().map(of).sum::<u64>()).sum()
+        };
+        let smooth: u64 = details.iter().map(|details| bits(details)).sum();
+        let own = (0..surface.finest().0).map(|j| surface.wavelets(Level(j)));
+        if own.clone().map(bits).sum::<u64>() >= smooth {
+            return Self { coding, filters: others, base, details };
+        }
+        let base = surface.scaling(Level::BASE).to_vec();
+        Self { coding: Coding::Own, filters: None, base, details: own.map(<[Vector]>::to_vec).collect() }
     }
 }
 
@@ -268,7 +285,8 @@ mod tests {
             };
             let positions: Vec<[f64; 3]> = (0..layout.len()).map(place).collect();
             let form = FormOptions { wavelet: Wavelet::Disc(1), ..FormOptions::default() };
-            Coding::best(&Surface::from_positions(hierarchy, &positions, &form).expect("small valences"))
+            Coded::best(&Surface::from_positions(hierarchy, &positions, &form).expect("small valences"))
+                .coding
         };
         assert_eq!(chosen(|p| p), Coding::Own);
         let ball = |p: [f64; 3]| {

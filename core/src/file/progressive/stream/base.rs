@@ -5,19 +5,29 @@ use crate::file::progressive::range_coder::{Coder, Model};
 use crate::hierarchy::{Layout, Level};
 use crate::surface::Vector;
 
-impl State<'_> {
-    /// The base positions as far as they are known.
-    pub(super) fn known_base(&self) -> Vec<Vector> {
+/// Base positions as far as they are known.
+pub(super) struct Known<'a> {
+    pub(super) positions: &'a [Vector],
+    pub(super) plane: u32,
+    /// The first that is still at another plane, and that plane.
+    pub(super) cut: Option<(usize, u32)>,
+}
+
+impl Known<'_> {
+    /// The middles of what they may be.
+    pub(super) fn middles(&self) -> Vec<Vector> {
         let middle = |at: usize, x: i32| {
-            let plane = match self.base_cut {
+            let plane = match self.cut {
                 Some((first, above)) if at >= first => above,
-                _ => self.base_plane,
+                _ => self.plane,
             };
             if plane == 0 { x } else { x.wrapping_add(1 << (plane - 1)) }
         };
-        self.base.iter().enumerate().map(|(at, c)| c.map(|x| middle(at, x))).collect()
+        self.positions.iter().enumerate().map(|(at, c)| c.map(|x| middle(at, x))).collect()
     }
+}
 
+impl State<'_> {
     /// A plane more of the base positions.
     pub(super) fn base_block<C: Coder>(&mut self, coder: &mut C, to: u32, truth: &[Vector]) -> bool {
         let count = self.base_plane - to;
