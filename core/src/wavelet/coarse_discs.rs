@@ -2,7 +2,7 @@
 //! known again by who neighbours whom in it.
 
 use super::Wavelet;
-use super::weights::{WeightSolver, is_on_sharp};
+use super::weights::{self, WeightSolver, is_on_sharp};
 use crate::hierarchy::{Layout, Odd, Slot};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -80,10 +80,9 @@ impl CoarseDiscs {
         found: &mut dyn FnMut(u32, i32),
     ) {
         let site = layout.odd_site(odd);
-        let solve = || solver.stencil(layout, site, Wavelet::Disc(k));
         let parents = layout.parents(site).map(|site| layout.slot(site).0);
         if is_on_sharp(layout, site) || !scratch.look_at(rings, parents, k) {
-            let stencil = solve();
+            let stencil = solver.stencil(layout, site, Wavelet::Disc(k));
             let taps = stencil.vertices.iter().zip(&stencil.weights);
             taps.for_each(|(&v, &weight)| found(layout.slot(v).0, weight));
             return;
@@ -91,12 +90,33 @@ impl CoarseDiscs {
         let solved = || self.solved.lock().unwrap_or_else(PoisonError::into_inner);
         let known = solved().get(scratch.key.as_slice()).cloned();
         let weights = known.unwrap_or_else(|| {
-            let weights: Arc<[i32]> = solve().weights.into();
+            let weights: Arc<[i32]> = solve(&scratch.key, scratch.disc.len()).into();
             solved().insert(scratch.key.clone(), weights.clone());
             weights
         });
         scratch.disc.iter().zip(&*weights).for_each(|(&slot, &weight)| found(slot, weight));
     }
+}
+
+/// The weights of a disc, from what it is known by: for each vertex of it the neighbours in it across edges of two faces and of
+/// one, and its own faces; then the faces at the halved edge, its ends, and the vertices across either face.
+fn solve(key: &[u64], n: usize) -> Vec<i32> {
+    let (rows, edge) = key.split_at(3 * n);
+    let mut matrix = vec![0.0; n * n];
+    for (at, (row, of)) in matrix.chunks_exact_mut(n.max(1)).zip(rows.chunks_exact(3)).enumerate() {
+        for (neighbour, entry) in row.iter_mut().enumerate() {
+            *entry = (4 * (2 * (of[0] >> neighbour & 1) + (of[1] >> neighbour & 1))) as f64;
+        }
+        row[at] = (8 * of[2]) as f64;
+    }
+    let right: Vec<f64> = (0..n)
+        .map(|at| {
+            let is = |bits: u64| bits >> at & 1;
+            let value = if is(edge[1]) == 1 { 5 * edge[0] } else { 2 * (is(edge[2]) + is(edge[3])) };
+            value as f64
+        })
+        .collect();
+    weights::solve(&matrix, &right)
 }
 
 impl Scratch {

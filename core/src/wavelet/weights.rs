@@ -46,7 +46,7 @@ impl WeightSolver {
         let system = System::assemble(layout, parents, &vertices);
         let known = self.solved().get(&system.entries).cloned();
         let weights = known.unwrap_or_else(|| {
-            let weights = solve(&system.entries, vertices.len());
+            let weights = system.solve(vertices.len());
             self.solved().insert(system.entries, weights.clone());
             weights
         });
@@ -169,58 +169,66 @@ fn neighbours_in_ring(ring: &Ring<Site>, at: usize) -> [Option<usize>; 2] {
     [before, after]
 }
 
-/// Solves the positive definite system by LDLᵀ in f64, improves the answer once by its residual (which the integer
-/// matrix gives almost exactly), and rounds it to weights. `+ − × ÷` alone, in a fixed order: the same bits on
-/// every machine.
-fn solve(entries: &[i32], n: usize) -> Vec<i32> {
-    let matrix = |i: usize, j: usize| {
-        let (i, j) = (i.min(j), i.max(j));
-        f64::from(entries[i * n - i * (i + 1) / 2 + j])
-    };
-    let right = &entries[n * (n + 1) / 2..];
-    let mut lower = vec![0.0; n * n];
-    let mut diagonal = vec![0.0; n];
-    for i in 0..n {
-        for j in 0..=i {
-            let mut sum = matrix(i, j);
-            for m in 0..j {
-                sum -= lower[i * n + m] * lower[j * n + m] * diagonal[m];
+impl System {
+    fn solve(&self, n: usize) -> Vec<i32> {
+        let mut matrix = vec![0.0; n * n];
+        let mut entries = self.entries.iter().map(|&x| f64::from(x));
+        for i in 0..n {
+            for (j, entry) in (i..n).zip(&mut entries) {
+                matrix[i * n + j] = entry;
+                matrix[j * n + i] = entry;
             }
-            if i == j {
-                diagonal[i] = sum;
-                lower[i * n + i] = 1.0;
-            } else {
-                lower[i * n + j] = sum / diagonal[j];
+        }
+        solve(&matrix, &entries.collect::<Vec<f64>>())
+    }
+}
+
+/// Solves a positive definite system, its whole matrix row by row, by LDLᵀ in f64, improves the answer once by its residual
+/// (which the integer matrix gives almost exactly), and rounds it to weights. `+ − × ÷` alone, in a fixed order: the same bits
+/// on every machine.
+pub(super) fn solve(matrix: &[f64], right: &[f64]) -> Vec<i32> {
+    let n = right.len();
+    if n == 0 {
+        return Vec::new();
+    }
+    // Column after column is taken off the rest; `upper` has Lᵀ row by row, and what is left of the matrix.
+    let (mut upper, mut diagonal) = (matrix.to_vec(), vec![0.0; n]);
+    for m in 0..n {
+        let (above, below) = upper.split_at_mut((m + 1) * n);
+        let column = &mut above[m * n..];
+        diagonal[m] = column[m];
+        column[m + 1..].iter_mut().for_each(|x| *x /= diagonal[m]);
+        for (i, row) in (m + 1..n).zip(below.chunks_exact_mut(n)) {
+            let own = column[i];
+            for (x, &other) in row[i..].iter_mut().zip(&column[i..]) {
+                *x -= other * own * diagonal[m];
             }
         }
     }
-    let back_substitute = |right: &[f64]| -> Vec<f64> {
-        let mut x = right.to_vec();
-        for i in 0..n {
-            for m in 0..i {
-                x[i] -= lower[i * n + m] * x[m];
+    let back_substitute = |mut x: Vec<f64>| -> Vec<f64> {
+        for m in 0..n {
+            let known = x[m];
+            for (x, &factor) in x[m + 1..].iter_mut().zip(&upper[m * n + m + 1..(m + 1) * n]) {
+                *x -= factor * known;
             }
         }
         for i in (0..n).rev() {
-            x[i] /= diagonal[i];
-            for m in i + 1..n {
-                x[i] -= lower[m * n + i] * x[m];
+            let (x, known) = x[i..].split_first_mut().expect("one at least");
+            *x /= diagonal[i];
+            for (&known, &factor) in known.iter().zip(&upper[i * n + i + 1..(i + 1) * n]) {
+                *x -= factor * known;
             }
         }
         x
     };
-    let right: Vec<f64> = right.iter().map(|&b| f64::from(b)).collect();
-    let mut s = back_substitute(&right);
-    let residual: Vec<f64> = (0..n)
-        .map(|i| {
-            let mut left = right[i];
-            for (j, s) in s.iter().enumerate() {
-                left -= matrix(i, j) * s;
-            }
-            left
-        })
-        .collect();
-    for (s, correction) in s.iter_mut().zip(back_substitute(&residual)) {
+    let mut s = back_substitute(right.to_vec());
+    let mut residual = right.to_vec();
+    for (&s, column) in s.iter().zip(matrix.chunks_exact(n)) {
+        for (left, &entry) in residual.iter_mut().zip(column) {
+            *left -= entry * s;
+        }
+    }
+    for (s, correction) in s.iter_mut().zip(back_substitute(residual)) {
         *s += correction;
     }
     s.iter().map(|s| (s * f64::from(1 << WEIGHT_BITS)).round() as i32).collect()
