@@ -10,7 +10,7 @@ pub(super) struct Place<'a> {
     pub(super) odd: u32,
     /// In `M^{j+1}`, as those near.
     pub(super) slot: u32,
-    /// Its neighbours in `M^{j+1}`.
+    /// Its neighbours in `M^{j+1}` that are odd: all but its parents.
     pub(super) near: &'a [u32],
     /// In `M^j`.
     pub(super) parents: [u32; 2],
@@ -28,10 +28,12 @@ pub(super) fn visit(
     for edge in 0..base.edges().len() as u32 {
         for s in 0..n {
             let site = Site::Edge { edge, t: 2 * s + 1 };
-            let (mut near, mut count) = ([0; 6], 0);
+            let (mut near, mut count) = ([0; 4], 0);
             fine.for_each_neighbour(site, |site| {
-                near[count] = fine.slot(site).0;
-                count += 1;
+                if is_odd(site) {
+                    near[count] = fine.slot(site).0;
+                    count += 1;
+                }
             });
             let parents = on_edge(coarse, edge, s);
             each(Place { odd: edge * n + s, slot: fine.slot(site).0, near: &near[..count], parents })?;
@@ -39,8 +41,12 @@ pub(super) fn visit(
     }
     let mut rows = Rows::default();
     for face in 0..base.faces().len() as u32 {
-        rows.in_face(coarse, fine, face, |odd, [down, row, up], i, parents| {
-            let near = [row[i - 1], row[i + 1], down[i], down[i + 1], up[i], up[i - 1]];
+        rows.in_face(coarse, fine, face, |odd, along, [down, row, up], i, parents| {
+            let near = match (along, i % 2) {
+                (Along::EveryOther, _) => [down[i], down[i + 1], up[i], up[i - 1]],
+                (Along::All, 1) => [row[i - 1], row[i + 1], down[i], up[i]],
+                (Along::All, _) => [row[i - 1], row[i + 1], down[i + 1], up[i - 1]],
+            };
             each(Place { odd, slot: row[i], near: &near, parents })
         })?;
     }
@@ -67,12 +73,28 @@ pub(super) fn of_odds<T: Clone + Default + Send>(
     let faces = inside.par_chunks_mut((3 * n * (n - 1) / 2).max(1)).enumerate();
     faces.with_min_len(1024 / (n * n) + 1).for_each_init(Rows::default, |rows, (face, values)| {
         let mut values = values.iter_mut();
-        let Ok(()) = rows.in_face(coarse, fine, face as u32, |odd, [_, row, _], i, parents| {
+        let Ok(()) = rows.in_face(coarse, fine, face as u32, |odd, _, [_, row, _], i, parents| {
             *values.next().expect("as many as odd vertices") = make(odd, row[i], parents);
             Ok::<(), Infallible>(())
         });
     });
     values
+}
+
+/// Whether a vertex of `M^{j+1}` is odd.
+fn is_odd(site: Site) -> bool {
+    match site {
+        Site::Base(_) => false,
+        Site::Edge { t, .. } => t % 2 == 1,
+        Site::Face { i, r, .. } => i % 2 == 1 || r % 2 == 1,
+    }
+}
+
+/// Which vertices of a row are odd.
+#[derive(Debug, Clone, Copy)]
+enum Along {
+    All,
+    EveryOther,
 }
 
 /// The parents of the odd vertex after `s` edges of `M^j` along a base edge.
@@ -91,14 +113,14 @@ struct Rows {
 
 impl Rows {
     /// Calls back for every odd vertex inside a face until one is refused: with the slots of the row before its own, its own
-    /// and the one after, with its place along the row, and with its parents.
+    /// and the one after, with which vertices of the row are odd, with its place along it, and with its parents.
     #[inline(always)]
     fn in_face<E>(
         &mut self,
         coarse: &Layout,
         fine: &Layout,
         face: u32,
-        mut each: impl FnMut(u32, [&[u32]; 3], usize, [u32; 2]) -> Result<(), E>,
+        mut each: impl FnMut(u32, Along, [&[u32]; 3], usize, [u32; 2]) -> Result<(), E>,
     ) -> Result<(), E> {
         let n = coarse.segments();
         let mut odd = coarse.odd_face_start(face);
@@ -116,12 +138,12 @@ impl Rows {
             if r % 2 == 1 {
                 for i in 1..=last {
                     let parents = [before[i.div_ceil(2)], after[i / 2]];
-                    each(odd, rows, i, parents)?;
+                    each(odd, Along::All, rows, i, parents)?;
                     odd += 1;
                 }
             } else {
                 for i in (1..=last).step_by(2) {
-                    each(odd, rows, i, [after[i / 2], after[i / 2 + 1]])?;
+                    each(odd, Along::EveryOther, rows, i, [after[i / 2], after[i / 2 + 1]])?;
                     odd += 1;
                 }
             }
@@ -149,7 +171,9 @@ mod tests {
     /// Read off one vertex at a time.
     fn plainly(coarse: &Layout, fine: &Layout, odd: Odd) -> Found {
         let site = coarse.odd_site(odd);
-        let mut near: Vec<u32> = fine.ring_slots(site).map(|slot| slot.0).collect();
+        let parents = coarse.parents(site).map(Layout::refine);
+        let around = fine.ring(site).around.into_iter().filter(|site| !parents.contains(site));
+        let mut near: Vec<u32> = around.map(|site| fine.slot(site).0).collect();
         near.sort_unstable();
         (fine.slot(site).0, near, sorted(coarse.parents(site).map(|site| coarse.slot(site).0)))
     }
