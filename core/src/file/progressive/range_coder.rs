@@ -144,15 +144,11 @@ impl Encoder {
 impl Coder for Encoder {
     const WRITES: bool = true;
 
-    #[inline]
+    #[inline(always)]
     fn bit(&mut self, model: &mut Model, bit: bool) -> bool {
         let bound = model.bound(self.range);
-        if bit {
-            self.range = bound;
-        } else {
-            self.low += u64::from(bound);
-            self.range -= bound;
-        }
+        self.low += if bit { 0 } else { u64::from(bound) };
+        self.range = if bit { bound } else { self.range - bound };
         model.learn(bit);
         self.normalise();
         bit
@@ -227,7 +223,7 @@ impl<'a> Decoder<'a> {
 impl Coder for Decoder<'_> {
     const WRITES: bool = false;
 
-    #[inline]
+    #[inline(always)]
     fn bit(&mut self, model: &mut Model, _: bool) -> bool {
         let bound = model.bound(self.range);
         let wide = u64::from(bound) << 32;

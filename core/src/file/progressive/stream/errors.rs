@@ -9,6 +9,7 @@ use crate::hierarchy::{Layout, Level, Site, Slot, Subtriangle};
 use crate::mesh::closest_on_triangle;
 use crate::surface::{Surface, Vector};
 use glam::DVec3;
+use rayon::iter::Either;
 use rayon::prelude::*;
 
 /// Points that are measured, at most, on each surface: the result is some hundredths off.
@@ -94,13 +95,24 @@ fn squared_distance(layout: &Layout, positions: &[Vector], start: Site, p: DVec3
         closest_on_triangle(p, &sites(triangle).map(place)).1
     };
     let mut best: (f64, Option<Subtriangle>) = (f64::INFINITY, None);
-    let mut corners = vec![start];
+    let (mut corners, mut looked_at) = (vec![start], Vec::with_capacity(32));
     loop {
         let before = best.0;
-        for triangle in corners.iter().flat_map(|&site| Subtriangle::incident(layout, site)) {
-            let found = squared(triangle);
-            if found < best.0 {
-                best = (found, Some(triangle));
+        for &site in &corners {
+            let new = match site {
+                // Most vertices lie inside a face.
+                Site::Face { face, i, r } => Either::Left(Subtriangle::around(face, i, r, layout.segments())),
+                _ => Either::Right(Subtriangle::incident(layout, site).into_iter()),
+            };
+            for triangle in new {
+                if looked_at.contains(&triangle) {
+                    continue;
+                }
+                looked_at.push(triangle);
+                let found = squared(triangle);
+                if found < best.0 {
+                    best = (found, Some(triangle));
+                }
             }
         }
         match best {
