@@ -147,29 +147,67 @@ impl Cone {
         Self { odds, rows, valence: count }
     }
 
-    /// Calls back for each irregular even vertex around an apex, with what updates it, the last of the odd vertices last. On
-    /// levels that are not coarse.
+    /// The cone on a level that is not coarse.
+    pub(super) fn on<'a>(&'a self, layout: &'a Layout) -> OnLevel<'a> {
+        let n = 2 * layout.segments();
+        let inside = [0, 1, 2].map(|corner| {
+            let fan = [(0, corner)];
+            let number = |&(place, _): &(Place, i32)| match (Place { sector: 0, ..place }).chart(&fan, n) {
+                _ if place.along[1] == 0 => None,
+                (face, [_, i, r]) => {
+                    Some(layout.odd_at(Site::Face { face, i, r }).0 - layout.odd_face_start(0))
+                }
+            };
+            self.rows.iter().flat_map(|(_, taps)| taps).map(number).collect()
+        });
+        OnLevel { cone: self, layout, inside }
+    }
+}
+
+/// A cone on one level.
+pub(super) struct OnLevel<'a> {
+    cone: &'a Cone,
+    layout: &'a Layout,
+    /// By the face's corner at the apex and tap the odd vertex's number among those inside the face; none on a spoke.
+    inside: [Vec<Option<u32>>; 3],
+}
+
+impl OnLevel<'_> {
+    /// Calls back for each irregular even vertex around an apex, with what updates it, the last of the odd vertices last.
     pub(super) fn each_row(
         &self,
-        layout: &Layout,
         apex: u32,
         taps: &mut Vec<(Odd, i32)>,
         mut row: impl FnMut(Site, &mut Vec<(Odd, i32)>),
     ) {
+        let Self { cone, layout, inside } = self;
         let fan = &layout.base().fan(apex).corners;
-        for sector in 0..self.valence {
-            let rows = self.rows.iter().filter(|(place, _)| place.along != [0, 0] || sector == 0);
-            for (place, of) in rows {
+        for sector in 0..cone.valence {
+            let mut tap = 0;
+            for (place, of) in &cone.rows {
+                let first = tap;
+                tap += of.len();
+                if place.along == [0, 0] && sector > 0 {
+                    continue;
+                }
                 let from = taps.len();
-                for &(odd, weight) in of {
-                    let (face, b) = odd.turned(sector, self.valence).chart(fan, 2 * layout.segments());
-                    let odd = layout.resolve_odd(face, b.map(|x| x as i32)).expect("inside the cone");
+                let mut last = (Odd(0), from);
+                for (tap, &(odd, weight)) in (first..).zip(of) {
+                    let there = odd.turned(sector, cone.valence);
+                    let (face, corner) = fan[there.sector as usize];
+                    let odd = match inside[usize::from(corner)][tap] {
+                        Some(number) => Odd(layout.odd_face_start(face) + number),
+                        None => {
+                            let (face, b) = there.chart(fan, 2 * layout.segments());
+                            layout.resolve_odd(face, b.map(|x| x as i32)).expect("inside the cone")
+                        }
+                    };
+                    last = last.max((odd, taps.len()));
                     taps.push((odd, weight));
                 }
-                let last = (from..taps.len()).max_by_key(|&at| taps[at].0).expect("some odd vertices");
                 let end = taps.len() - 1;
-                taps.swap(last, end);
-                let (face, b) = place.turned(sector, self.valence).chart(fan, layout.segments());
+                taps.swap(last.1, end);
+                let (face, b) = place.turned(sector, cone.valence).chart(fan, layout.segments());
                 row(layout.site_at(face, b), taps);
             }
         }

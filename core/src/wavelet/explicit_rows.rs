@@ -2,7 +2,7 @@
 
 use super::Wavelet;
 use super::coarse_discs::{CoarseDiscs, Rings, Scratch};
-use super::cones::{self, Cones};
+use super::cones::{self, Cones, OnLevel};
 use super::regular_disc::RegularDisc;
 use super::regularity::{irregular_sites, is_coarse};
 use super::weights::WeightSolver;
@@ -88,9 +88,10 @@ impl ExplicitRows {
                 }
             }
         });
+        let cones: FxHashMap<usize, OnLevel> =
+            known.cones.iter().map(|(&valence, cone)| (valence, cone.on(layout))).collect();
         for vertex in (0..base.vertex_count()).filter(|&v| cones::is_apex(base, v) && !base.is_regular(v)) {
-            let cone = &known.cones[&base.fan(vertex).corners.len()];
-            cone.each_row(layout, vertex, &mut taps, |site, taps| {
+            cones[&base.fan(vertex).corners.len()].each_row(vertex, &mut taps, |site, taps| {
                 numbers.insert(layout.slot(site).0, starts.len() as u32 - 1);
                 starts.push(taps.len() as u32);
             });
