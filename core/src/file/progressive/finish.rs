@@ -11,7 +11,7 @@ use crate::surface::Vector;
 
 /// Classes of what magnitude a residual is expected to have: half octaves.
 const EXPECTED: usize = 40;
-const LENGTHS: usize = 33;
+const LENGTHS: usize = 32;
 /// Where a prediction lies in the interval in which a component is known to be.
 const PLACES: usize = 6;
 
@@ -150,17 +150,14 @@ fn zero<C: Coder>(
     let off = truth.wrapping_sub(at);
     let size = off.unsigned_abs();
     let bits = if C::WRITES { 32 - size.leading_zeros() } else { 0 };
-    let mut length = 0;
-    while length < 32 && coder.bit(&mut models.length[class][expected][length as usize], bits > length) {
-        length += 1;
-    }
+    let length = coder.ones(&mut models.length[class][expected], bits);
     if length == 0 {
         return at;
     }
     let (mut left, mut below) = (length - 1, 0);
     if left > 0 {
         left -= 1;
-        let second = coder.bit(&mut models.second[class][length as usize], size >> left & 1 == 1);
+        let second = coder.bit(&mut models.second[class][length as usize - 1], size >> left & 1 == 1);
         below = u32::from(second) << left;
     }
     // The sign goes with the bits that are as likely 1 as 0.

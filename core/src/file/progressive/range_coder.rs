@@ -46,8 +46,8 @@ impl Model {
 }
 
 /// How much a bit counts after so many before it: `2^16 / (seen + 2)`.
-const SHARES: [i32; MOST_SEEN as usize + 1] = {
-    let mut shares = [0; MOST_SEEN as usize + 1];
+const SHARES: [i32; 256] = {
+    let mut shares = [0; 256];
     let mut seen = 0;
     while seen < shares.len() {
         shares[seen] = 65536 / (seen as i32 + 2);
@@ -64,6 +64,9 @@ pub(super) trait Coder: Send {
 
     /// A bit with its model.
     fn bit(&mut self, model: &mut Model, bit: bool) -> bool;
+
+    /// How many bits are 1 before the first that is 0 or the models end, one model for each.
+    fn ones(&mut self, models: &mut [Model], count: u32) -> u32;
 
     /// `count` bits, at most 16, each as likely 1 as 0.
     fn raw(&mut self, count: u32, bits: u32) -> u32;
@@ -154,6 +157,27 @@ impl Coder for Encoder {
         bit
     }
 
+    #[inline(always)]
+    fn ones(&mut self, models: &mut [Model], count: u32) -> u32 {
+        // On its own the range stays in a register: each bit waits for the one before.
+        let mut range = self.range;
+        for (at, model) in (0..).zip(models) {
+            let (bit, bound) = (at < count, model.bound(range));
+            self.low += if bit { 0 } else { u64::from(bound) };
+            range = if bit { bound } else { range - bound };
+            model.learn(bit);
+            while range < LEAST_RANGE {
+                range <<= 8;
+                self.shift();
+            }
+            if !bit {
+                break;
+            }
+        }
+        self.range = range;
+        count
+    }
+
     #[inline]
     fn raw(&mut self, count: u32, bits: u32) -> u32 {
         self.range >>= count;
@@ -168,7 +192,7 @@ impl Coder for Encoder {
 }
 
 /// Reads a stream, or as much of it as there is.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Decoder<'a> {
     bytes: &'a [u8],
     /// How many bytes have been fetched.
@@ -237,6 +261,20 @@ impl Coder for Decoder<'_> {
         model.learn(bit);
         self.normalise();
         bit
+    }
+
+    #[inline(always)]
+    fn ones(&mut self, models: &mut [Model], _: u32) -> u32 {
+        // A copy stays in registers: each bit waits for the one before.
+        let (mut decoder, mut count) = (*self, 0);
+        for model in models {
+            if !decoder.bit(model, false) {
+                break;
+            }
+            count += 1;
+        }
+        *self = decoder;
+        count
     }
 
     #[inline]

@@ -12,8 +12,14 @@ use glam::DVec3;
 use rayon::iter::Either;
 use rayon::prelude::*;
 
-/// Points that are measured, at most, on each surface: the result is some hundredths off.
-const SAMPLES: u32 = 2048;
+/// More vertices than these are many.
+const MANY: usize = 1 << 17;
+
+/// Points that are measured, at most, on each surface: the result is some hundredths off. Of large surfaces fewer, since measuring
+/// takes as long as writing does.
+fn most_samples(whole: &Surface) -> u32 {
+    if whole.scaling(whole.finest()).len() > MANY { 1024 } else { 2048 }
+}
 /// Levels beyond those that have begun that are looked at.
 const DEEPER: usize = 2;
 /// The least that is stated where something is missing, in steps.
@@ -38,15 +44,16 @@ impl<'a> Ruler<'a> {
     fn turn_to(&mut self, level: Level) {
         let (hierarchy, finest) = (self.whole.hierarchy(), self.whole.finest());
         let (layout, count) = (hierarchy.layout(level), hierarchy.face_count(level) as u32);
+        let most = most_samples(self.whole);
         let chosen = |sample: u32| {
-            let index = if count <= SAMPLES { sample } else { spread(sample, count) };
+            let index = if count <= most { sample } else { spread(sample, count) };
             let triangle = Subtriangle::numbered(index as usize, layout.segments());
             let n = layout.segments();
             triangle.corners().map(|[i, r]| layout.slot(layout.site_at(triangle.face, [n - i - r, i, r])).0)
         };
         let exact = self.whole.scaling(finest);
         let at_finest = |slot: u32| exact[hierarchy.refine_slot(level, finest, Slot(slot)).index()];
-        self.corners = (0..count.min(SAMPLES)).map(chosen).collect();
+        self.corners = (0..count.min(most)).map(chosen).collect();
         self.exact = (0..hierarchy.layout(level).len()).into_par_iter().map(at_finest).collect();
         self.level = level;
     }
