@@ -75,7 +75,7 @@ pub(super) trait Coder: Send {
     fn is_exhausted(&self) -> bool;
 
     /// Any number of bits up to 32 without a model.
-    #[inline]
+    #[inline(always)]
     fn long_raw(&mut self, count: u32, bits: u32) -> u32 {
         if count <= 16 {
             return self.raw(count, bits);
@@ -178,7 +178,7 @@ impl Coder for Encoder {
         count
     }
 
-    #[inline]
+    #[inline(always)]
     fn raw(&mut self, count: u32, bits: u32) -> u32 {
         self.range >>= count;
         self.low += u64::from(self.range) * u64::from(bits);
@@ -277,7 +277,7 @@ impl Coder for Decoder<'_> {
         count
     }
 
-    #[inline]
+    #[inline(always)]
     fn raw(&mut self, count: u32, _: u32) -> u32 {
         self.range >>= count;
         // A sound stream never exceeds the most; a forged one must not either.
