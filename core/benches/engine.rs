@@ -47,7 +47,7 @@ fn levels(criterion: &mut Criterion) {
             let mut coarser = surface.scaling(level).to_vec();
             let mut details = surface.wavelets(level).to_vec();
             group.throughput(Throughput::Elements(finer.len() as u64));
-            for instructions in [Instructions::Detected, Instructions::Baseline] {
+            for instructions in [Instructions::Detected, Instructions::Narrower, Instructions::Baseline] {
                 group.bench_function(name(&format!("analysis, {instructions:?}")), |bencher| {
                     bencher.iter(|| {
                         let output = (details.as_mut_slice(), coarser.as_mut_slice());

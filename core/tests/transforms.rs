@@ -1,5 +1,5 @@
 //! One suite over every implementation of the transform: the plain reference, rows with the processor's best
-//! instructions and with the target's own, on one thread and on several. All give the same bits.
+//! instructions, without AVX-512 and with the target's own, on one thread and on several. All give the same bits.
 
 use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level};
 use bozzetto_core::mesh::{TriangleMesh, shapes};
@@ -16,9 +16,10 @@ enum Implementation {
     Rows(Instructions, usize),
 }
 
-const ALL: [Implementation; 4] = [
+const ALL: [Implementation; 5] = [
     Implementation::Plain,
     Implementation::Rows(Instructions::Detected, 1),
+    Implementation::Rows(Instructions::Narrower, 1),
     Implementation::Rows(Instructions::Baseline, 1),
     Implementation::Rows(Instructions::Detected, 3),
 ];

@@ -38,6 +38,8 @@ impl Machine {
 fn instructions() -> &'static str {
     match pulp::Arch::new() {
         #[cfg(target_arch = "x86_64")]
+        pulp::Arch::V4(_) => "AVX-512",
+        #[cfg(target_arch = "x86_64")]
         pulp::Arch::V3(_) => "AVX2",
         _ => "baseline",
     }

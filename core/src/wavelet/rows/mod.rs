@@ -43,12 +43,17 @@ use window::{STRIP, Window};
 /// Details below 2^27 in magnitude: twelve of them add within 32 bits.
 const SUMMABLE_BITS: u32 = 27;
 
+/// Vertices that are updated one by one at a time: few, for a thread without work falls asleep, and waking it takes longer.
+const SITES: usize = 32;
+
 /// The instructions that kernels are compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Instructions {
     /// The best that this processor has.
     #[default]
     Detected,
+    /// The best but AVX-512.
+    Narrower,
     /// Those that every processor of the target has.
     Baseline,
 }
@@ -91,11 +96,12 @@ pub fn analyse_level_into<const N: usize>(
         (details.len(), coarser.len(), finer.len()),
         (coarse.odd_len() as usize, coarse.len() as usize, fine.len() as usize)
     );
-    let exact = serves(coarse, filters.wavelet()) && {
+    let (faces_details, faces_coarser) = (&mut *details, &mut *coarser);
+    let by_faces = || {
         let engine = Engine { filters, arch: arch(instructions) };
         let (base, n) = (coarse.base(), coarse.segments() as usize);
-        let details = split_by_face(base, details, n, 3 * n * (n - 1) / 2);
-        let evens = &mut coarser[base.vertex_count() as usize..];
+        let details = split_by_face(base, faces_details, n, 3 * n * (n - 1) / 2);
+        let evens = &mut faces_coarser[base.vertex_count() as usize..];
         let evens = split_by_face(base, evens, n - 1, (n - 1) * (n - 2) / 2);
         let faces = details.into_par_iter().zip(evens).enumerate();
         faces
@@ -108,19 +114,20 @@ pub fn analyse_level_into<const N: usize>(
             )
             .reduce(|| true, |a, b| a & b)
     };
+    let (exact, sites) = if serves(coarse, filters.wavelet()) {
+        rayon::join(by_faces, || left_by_faces(coarse, filters.wavelet()))
+    } else {
+        (false, Vec::new())
+    };
     if !exact {
         let (d, c) = lifting::analyse_level(hierarchy, filters, level, finer);
         details.copy_from_slice(&d);
         coarser.copy_from_slice(&c);
         return;
     }
-    // What the faces left: base vertices, and where the constant stencil does not serve.
-    let base = (0..coarse.base().vertex_count()).map(Site::Base);
-    let mut sites: Vec<Site> = base.collect();
-    sites.extend(irregular_sites(coarse, filters.wavelet()));
     let updated: Vec<[i32; N]> = sites
         .par_iter()
-        .with_min_len(256)
+        .with_min_len(SITES)
         .map(|&site| {
             let even = fine.slot(Layout::refine(site));
             plus(finer[even.index()], rounded(filters.gather(coarse, site, details)))
@@ -129,6 +136,12 @@ pub fn analyse_level_into<const N: usize>(
     for (&site, value) in sites.iter().zip(updated) {
         coarser[coarse.slot(site).index()] = value;
     }
+}
+
+/// What rows of faces leave of a level: base vertices, and where the constant stencil does not serve.
+fn left_by_faces(coarse: &Layout, wavelet: Wavelet) -> Vec<Site> {
+    let base = (0..coarse.base().vertex_count()).map(Site::Base);
+    base.chain(irregular_sites(coarse, wavelet)).collect()
 }
 
 /// One level of synthesis into given storage: `c^j` and `d^j` to `c^{j+1}`. `O(n_{j+1})`.
@@ -182,7 +195,16 @@ fn serves(coarse: &Layout, wavelet: Wavelet) -> bool {
 fn arch(instructions: Instructions) -> Arch {
     match instructions {
         Instructions::Detected => Arch::new(),
+        Instructions::Narrower => narrower(Arch::new()),
         Instructions::Baseline => Arch::Scalar,
+    }
+}
+
+fn narrower(arch: Arch) -> Arch {
+    match arch {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(v4) => Arch::V3(*v4),
+        other => other,
     }
 }
 

@@ -72,12 +72,36 @@ impl Stencil {
     /// `Σ w d` over taps that are found somehow.
     #[inline(always)]
     fn sum<const N: usize>(&self, d: &[[i32; N]], odd: impl Fn(Place) -> u32) -> [i64; N] {
+        if N == 3 {
+            // Three channels are read four values at a time, as one register.
+            let total = self.sum_of_fours(d.as_flattened(), odd);
+            return std::array::from_fn(|c| total[c]);
+        }
         let mut total = [0i64; N];
         for (weight, taps) in &self.sixes {
-            add_class(&mut total, *weight, taps, &odd, d);
+            add_class(&mut total, *weight, taps, |tap| d[odd(tap) as usize]);
         }
         for (weight, taps) in &self.twelves {
-            add_class(&mut total, *weight, taps, &odd, d);
+            add_class(&mut total, *weight, taps, |tap| d[odd(tap) as usize]);
+        }
+        total
+    }
+
+    #[inline(always)]
+    fn sum_of_fours(&self, d: &[i32], odd: impl Fn(Place) -> u32) -> [i64; 4] {
+        let four = |tap| {
+            let at = 3 * odd(tap) as usize;
+            match d.get(at..at + 4) {
+                Some(values) => values.try_into().expect("of that length"),
+                None => [d[at], d[at + 1], d[at + 2], 0],
+            }
+        };
+        let mut total = [0i64; 4];
+        for (weight, taps) in &self.sixes {
+            add_class(&mut total, *weight, taps, four);
+        }
+        for (weight, taps) in &self.twelves {
+            add_class(&mut total, *weight, taps, four);
         }
         total
     }
@@ -111,12 +135,11 @@ fn add_class<const N: usize>(
     total: &mut [i64; N],
     weight: i32,
     taps: &[Place],
-    odd: impl Fn(Place) -> u32,
-    d: &[[i32; N]],
+    detail: impl Fn(Place) -> [i32; N],
 ) {
     let mut sum = [0i32; N];
     for &tap in taps {
-        let d = &d[odd(tap) as usize];
+        let d = detail(tap);
         for c in 0..N {
             sum[c] = sum[c].wrapping_add(d[c]);
         }

@@ -5,6 +5,7 @@
 //! weight lie at fixed distances, and a run of even vertices reads runs of odd ones.
 
 use super::stencil::{PlacedStencil, Stencil};
+use super::update::LARGEST_BLOCK;
 
 /// Steps of level j that a window reaches beyond its strip on every side: the 2-disc stencil reaches 2½, and the
 /// parents of what it reads half a step more.
@@ -14,9 +15,9 @@ pub(super) const HALO: i32 = 3;
 /// made. A power of two.
 const ROWS: usize = 2 * HALO as usize + 2;
 
-/// Even vertices per row of a strip: few enough that a window stays in the processor's second-level cache, enough that
-/// the halo does not weigh.
-pub(super) const STRIP: u32 = 128;
+/// Even vertices per row of a strip: few enough that a window of 40 kB stays in a first-level cache of 48, enough that the
+/// halo does not weigh. On a Xeon 96, 128, 192, 256 took 6.4, 7.0, 6.6, 6.9 ns a vertex for the whole of analysis.
+pub(super) const STRIP: u32 = 96;
 
 /// A plane of odd vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,7 +93,7 @@ impl<const N: usize> Window<N> {
     pub(super) fn new(columns: u32) -> Self {
         let columns = columns as usize + 2 * HALO as usize + 1;
         // Blocks may read past the last column, of the last row past the end.
-        let slack = 32_usize.div_ceil(N);
+        let slack = LARGEST_BLOCK.div_ceil(N);
         Self {
             first: 0,
             columns,
