@@ -44,7 +44,7 @@ impl<'a> Straightened<'a> {
         let transform = Transform { coding: *coding, hierarchy, filters };
         let (base, details) = transform.analyse(&finest);
         let (mut exact, mut straight) = (base.clone(), base);
-        for (j, details) in (0..).zip(&details) {
+        for (j, details) in (0..).zip(details) {
             let level = Level(j);
             let shift = self.kept(level);
             let normal: Vec<Vector> = details
@@ -55,7 +55,7 @@ impl<'a> Straightened<'a> {
                     frame.turn_back([normal, shift(b), shift(c)])
                 })
                 .collect();
-            straight = transform.synthesise_level(level, &straight, &normal);
+            straight = transform.synthesise_level(level, &straight, normal);
             exact = transform.synthesise_level(level, &exact, details);
         }
         straight.into_iter().map(|p| p.map(|x| f64::from(x) / scale)).collect()

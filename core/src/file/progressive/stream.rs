@@ -88,7 +88,7 @@ impl Below<'_> {
         for (j, details) in self.levels.iter().enumerate().skip(from) {
             let (hierarchy, level) = (self.transform.hierarchy, Level(j as u8));
             let details = details.coefficients(hierarchy, level);
-            positions = Cow::Owned(self.transform.synthesise_level(level, &positions, &details));
+            positions = Cow::Owned(self.transform.synthesise_level(level, &positions, details));
         }
         positions.into_owned()
     }
@@ -450,22 +450,21 @@ pub(in crate::file) fn decode_stream(
     bytes: &[u8],
 ) -> Option<Decoded> {
     let mut state = State::new(Transform { coding, hierarchy, filters });
-    let mut decoder = Decoder::new(bytes);
-    let mut truth = Truth::default();
+    let (mut decoder, mut truth) = (Decoder::new(bytes), Truth::default());
     if !state.beginning(&mut decoder, &truth) {
         return None;
     }
-    let mut exact = false;
-    loop {
+    let exact = loop {
         let candidates = state.candidates();
         if candidates.is_empty() {
-            exact = true;
-            break;
+            break true;
         }
         if !state.step(&mut decoder, &candidates, Choice { index: 0, count: 0, finish: false }, &mut truth) {
-            break;
+            break false;
         }
-    }
+    };
+    // Read no more, and as large as the positions.
+    state.levels.iter_mut().for_each(|details| details.residuals = Vec::new());
     let held = match coding {
         Coding::Own => Held::Coefficients(
             state.below(0).base.middles(),

@@ -10,6 +10,7 @@ use crate::surface::{Surface, Vector};
 use crate::wavelet::lifting::{minus, plus};
 use crate::wavelet::{Filters, ValenceTooHigh, Wavelet, rows};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Transforms are compared by what coefficients have above this many bits of the surface's half extent: about the detail
 /// of 75 dB.
@@ -128,9 +129,11 @@ impl Transform<'_> {
         self,
         level: Level,
         coarser: &[Vector],
-        details: &[Vector],
+        details: Vec<Vector>,
     ) -> Vec<Vector> {
-        let mut finer = rows::synthesise_level(self.hierarchy, self.filters, level, coarser, details);
+        let mut finer = rows::synthesise_level(self.hierarchy, self.filters, level, coarser, &details);
+        // Before there are bends, which are as large.
+        drop(details);
         if self.bends() {
             self.add_bends(level, &mut finer, plus);
         }
@@ -139,14 +142,14 @@ impl Transform<'_> {
 
     /// All levels of analysis: `c^J` to `c^0` and each `d^j`. `O(n_J)`.
     pub(super) fn analyse(self, finest: &[Vector]) -> (Vec<Vector>, Vec<Vec<Vector>>) {
-        let (mut positions, mut details) = (finest.to_vec(), Vec::new());
+        let (mut positions, mut details) = (Cow::Borrowed(finest), Vec::new());
         for j in (0..self.hierarchy.finest().0).rev() {
             let (d, coarser) = self.analyse_level(Level(j), &positions);
             details.push(d);
-            positions = coarser;
+            positions = Cow::Owned(coarser);
         }
         details.reverse();
-        (positions, details)
+        (positions.into_owned(), details)
     }
 
     /// Adds the bends, or takes them off, of the odd vertices of `M^{j+1}`, from the even ones, which stay.
@@ -245,7 +248,7 @@ mod tests {
                         let count = hierarchy.layout(Level(j + 1)).len();
                         let finer = numbers(count, bits, 7);
                         let (details, coarser) = transform.analyse_level(Level(j), &finer);
-                        let again = transform.synthesise_level(Level(j), &coarser, &details);
+                        let again = transform.synthesise_level(Level(j), &coarser, details.clone());
                         assert!(again == finer, "{name}, {coding:?}, level {j}, {bits} bits");
                     }
                 }

@@ -31,12 +31,13 @@ pub(super) struct Ruler<'a> {
     level: Level,
     /// Of the triangles that are measured.
     corners: Vec<[u32; 3]>,
-    exact: Vec<Vector>,
+    /// Its positions there; empty on the finest level, where they are the surface's own.
+    sampled: Vec<Vector>,
 }
 
 impl<'a> Ruler<'a> {
     pub(super) fn new(whole: &'a Surface) -> Self {
-        let mut ruler = Self { whole, level: Level::BASE, corners: Vec::new(), exact: Vec::new() };
+        let mut ruler = Self { whole, level: Level::BASE, corners: Vec::new(), sampled: Vec::new() };
         ruler.turn_to(Level::BASE);
         ruler
     }
@@ -54,7 +55,8 @@ impl<'a> Ruler<'a> {
         let exact = self.whole.scaling(finest);
         let at_finest = |slot: u32| exact[hierarchy.refine_slot(level, finest, Slot(slot)).index()];
         self.corners = (0..count.min(most)).map(chosen).collect();
-        self.exact = (0..hierarchy.layout(level).len()).into_par_iter().map(at_finest).collect();
+        let sampled = if level == finest { 0 } else { layout.len() };
+        self.sampled = (0..sampled).into_par_iter().map(at_finest).collect();
         self.level = level;
     }
 
@@ -67,6 +69,8 @@ impl<'a> Ruler<'a> {
             self.turn_to(level);
         }
         let known = state.synthesise(level.index());
+        let finest = self.whole.finest();
+        let exact = if level == finest { self.whole.scaling(finest) } else { &self.sampled };
         let layout = state.hierarchy.layout(level);
         let measured = |(sample, corners): (usize, &[u32; 3])| -> [f64; 3] {
             // Three points that give the mean of a quadratic function; each triangle has one of them.
@@ -76,13 +80,13 @@ impl<'a> Ruler<'a> {
                 corners.map(|slot| DVec3::from_array(positions[slot as usize].map(f64::from)))
             };
             let point = |[a, b, c]: [DVec3; 3], at: DVec3| (a + b + c + 3.0 * at) / 6.0;
-            let (ours, theirs) = (corners_of(&self.exact), corners_of(&known));
+            let (ours, theirs) = (corners_of(exact), corners_of(&known));
             let at = |triangle: [DVec3; 3]| point(triangle, triangle[sample % 3]);
             let squared = |positions: &[Vector], point| squared_distance(layout, positions, site, point);
             let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
             // Points count by the area around them; by something where there is none at all.
             let weight = area(ours).max(f64::MIN_POSITIVE);
-            [weight, weight * squared(&self.exact, at(theirs)), weight * squared(&known, at(ours))]
+            [weight, weight * squared(exact, at(theirs)), weight * squared(&known, at(ours))]
         };
         let samples: Vec<[f64; 3]> =
             self.corners.par_iter().enumerate().with_min_len(128).map(measured).collect();
