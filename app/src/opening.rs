@@ -6,11 +6,14 @@ mod stages;
 pub(crate) use stages::Stage;
 
 use anyhow::{Result, anyhow, bail};
-use bozzetto_core::conversion::{ConversionOptions, Converted, Remesh, convert_with_progress};
+use bozzetto_core::conversion::remesh::Phase;
+use bozzetto_core::conversion::{
+    ConversionError, ConversionOptions, Converted, Remesh, convert_owned, convert_with_progress,
+};
 use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::file::{Metadata, Model, source_by_public_id};
 use bozzetto_core::hierarchy::Slot;
-use bozzetto_core::io::{mesh_file_bytes, read_mesh_bytes_while};
+use bozzetto_core::io::read_mesh_file;
 use bozzetto_core::mesh::{Comparison, TriangleMesh, distances_to};
 use bozzetto_core::surface::{FormOptions, Surface};
 use sha2::{Digest, Sha256};
@@ -67,20 +70,15 @@ impl MeshSource {
     /// # Errors
     /// The file cannot be read, or `progress` asked to stop.
     pub(crate) fn read(path: &Path, progress: &dyn Fn(Stage, f32) -> bool) -> Result<Self> {
-        // The file counts for little beside the text in it.
-        let go_on = |done: f32| progress(Stage::Read, done * 0.2);
-        let (format, bytes) = mesh_file_bytes(path, &mut |done| go_on(done))?;
-        let mut hash = Sha256::new();
-        for part in bytes.chunks(4 << 20) {
+        let (mut hash, share) = (Sha256::new(), Cell::new(0.0));
+        let mut seen = |part: &[u8], done| {
             hash.update(part);
-            if !go_on(1.0) {
-                bail!("{}: reading it was cancelled", path.display());
-            }
-        }
+            share.set(done);
+        };
+        let mesh = read_mesh_file(path, &mut seen, &mut || progress(Stage::Read, share.get()))?;
         let name = path.display().to_string();
-        let mesh = read_mesh_bytes_while(format, &bytes, &name, &mut || progress(Stage::Read, 0.2))?;
         if !progress(Stage::Read, 1.0) {
-            bail!("{}: reading it was cancelled", path.display());
+            bail!("{name}: reading it was cancelled");
         }
         let metadata = Metadata { source: file_name(path), source_sha256: Some(hex(&hash.finalize())) };
         Ok(Self { name, metadata, mesh })
@@ -103,6 +101,26 @@ pub(crate) fn import_file(
     Ok((source, imported))
 }
 
+/// [`import_file`] without the mesh, which is let go as early as can be: a large one with subdivision connectivity takes less
+/// memory than when it is kept.
+///
+/// # Errors
+/// The file cannot be read or is not a surface.
+pub(crate) fn import_file_alone(
+    path: &Path,
+    options: &ImportOptions,
+    progress: &dyn Fn(Stage, f32) -> bool,
+) -> Result<Imported> {
+    let clock = Clock::new(progress);
+    let report = |stage, done| clock.report(stage, done);
+    let MeshSource { name, metadata, mesh } = MeshSource::read(path, &report)?;
+    let diagonal = mesh.diagonal();
+    let convert = |by_phase: &dyn Fn(Phase, f32) -> bool| convert_owned(mesh, &options.conversion, by_phase);
+    let mut imported = converted(&name, metadata, options, &report, (convert, || diagonal))?;
+    imported.seconds = clock.seconds();
+    Ok(imported)
+}
+
 /// Imports a mesh. `progress` gets the stage and the share of it done and returns whether to go on.
 ///
 /// # Errors
@@ -112,28 +130,47 @@ pub(crate) fn import(
     options: &ImportOptions,
     progress: &dyn Fn(Stage, f32) -> bool,
 ) -> Result<Imported> {
-    let named = |sentence: String| anyhow!("{}: {sentence}", source.name);
+    let convert = |by_phase: &dyn Fn(Phase, f32) -> bool| {
+        convert_with_progress(&source.mesh, &options.conversion, by_phase)
+    };
+    let diagonal = || source.mesh.diagonal();
+    converted(&source.name, source.metadata.clone(), options, progress, (convert, diagonal))
+}
+
+/// Makes a model of what `convert` gives of a mesh with a diagonal.
+fn converted(
+    name: &str,
+    metadata: Metadata,
+    options: &ImportOptions,
+    progress: &dyn Fn(Stage, f32) -> bool,
+    (convert, diagonal): (
+        impl FnOnce(&dyn Fn(Phase, f32) -> bool) -> Result<Converted, ConversionError>,
+        impl FnOnce() -> f64,
+    ),
+) -> Result<Imported> {
+    let named = |sentence: String| anyhow!("{name}: {sentence}");
+    let cancelled = || named("importing it was cancelled".to_owned());
     let clock = Clock::new(progress);
     if options.conversion.remesh != Remesh::Always && !clock.report(Stage::Detect, 0.0) {
-        return Err(named("importing it was cancelled".to_owned()));
+        return Err(cancelled());
     }
     let by_phase = |phase, done: f32| clock.report(Stage::Convert(phase), done);
-    let converted = convert_with_progress(&source.mesh, &options.conversion, &by_phase)
-        .map_err(|e| named(e.to_string()))?;
+    let converted = convert(&by_phase).map_err(|e| named(e.to_string()))?;
     let Converted { hierarchy, positions, source: from, cleaned, measured, .. } = converted;
     if !clock.report(Stage::Build, 0.0) {
-        return Err(named("importing it was cancelled".to_owned()));
+        return Err(cancelled());
     }
     let surface =
         Surface::from_positions(hierarchy, &positions, &options.form).map_err(|e| named(e.to_string()))?;
-    let from = from.map(|by_slot| source_by_public_id(surface.hierarchy(), &by_slot));
     let distance = match measured {
         Some(measured) => [measured.rms, measured.max],
-        None => displacement(&surface, &positions, source.mesh.diagonal()),
+        None => displacement(&surface, &positions, diagonal()),
     };
-    let model = Model::new(surface, from, source.metadata.clone());
+    drop(positions);
+    let from = from.map(|by_slot| source_by_public_id(surface.hierarchy(), &by_slot));
+    let model = Model::new(surface, from, metadata);
     if !clock.report(Stage::Build, 1.0) {
-        return Err(named("importing it was cancelled".to_owned()));
+        return Err(cancelled());
     }
     Ok(Imported { model, kept: measured.is_none(), cleaned, measured, distance, seconds: clock.seconds() })
 }

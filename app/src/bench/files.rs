@@ -1,7 +1,7 @@
 //! Import of a subdivided mesh, opening and saving.
 
 use super::timings::Timings;
-use crate::opening::{ImportOptions, import_file};
+use crate::opening::{ImportOptions, import_file_alone};
 use anyhow::{Result, ensure};
 use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::file::{Metadata, Model, encode};
@@ -41,7 +41,7 @@ pub(super) fn files(surface: Surface, runs: usize, done: &dyn Fn(f32)) -> Result
             "what was saved reads back otherwise; report this as a defect"
         );
         drop(opened);
-        let (_, imported) = import.time(|| import_file(&ply, &ImportOptions::default(), &|_, _| true))?;
+        let imported = import.time(|| import_file_alone(&ply, &ImportOptions::default(), &|_, _| true))?;
         ensure!(
             imported.model.surface.finest() == finest,
             "the subdivision was not found; report this as a defect"

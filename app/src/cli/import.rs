@@ -6,7 +6,7 @@ use super::output;
 use super::progress::Progress;
 use super::size::SizeArgs;
 use crate::figures::tolerance;
-use crate::opening::{ImportOptions, Imported, MeshSource, compact, import_file};
+use crate::opening::{ImportOptions, Imported, MeshSource, Stage, compact, import_file, import_file_alone};
 use crate::report::report;
 use anyhow::{Result, bail};
 use bozzetto_core::conversion::{Axis, ConversionOptions, Remesh};
@@ -133,8 +133,14 @@ impl Args {
         if self.purpose == PurposeArg::Compact {
             return self.make_compact(&options, progress);
         }
-        let (source, mut imported) =
-            import_file(&self.mesh, &options, &|stage, done| progress.report(stage.share(done)))?;
+        let report = |stage: Stage, done| progress.report(stage.share(done));
+        // The mesh is needed again for little else than these.
+        if !self.size.is_given() && self.report.is_none() {
+            let imported = import_file_alone(&self.mesh, &options, &report)?;
+            let bytes = encode(&imported.model);
+            return Ok(Made { source: None, imported, options, bytes, tried: 1 });
+        }
+        let (source, mut imported) = import_file(&self.mesh, &options, &report)?;
         let bytes = match self.size.shrink(&imported.model, &source.mesh)? {
             Some((bytes, smaller)) => {
                 let mesh = smaller.surface.to_mesh(smaller.surface.finest());
@@ -146,7 +152,7 @@ impl Args {
             }
             None => encode(&imported.model),
         };
-        Ok(Made { source, imported, options, bytes, tried: 1 })
+        Ok(Made { source: Some(source), imported, options, bytes, tried: 1 })
     }
 
     fn make_compact(&self, options: &ImportOptions, progress: &Progress) -> Result<Made> {
@@ -159,13 +165,14 @@ impl Args {
         let found =
             compact::import_compact(&source, options, wavelets, size, &|share| progress.report(share))?;
         let compact::Compact { imported, options, bytes, tried } = found;
-        Ok(Made { source, imported, options, bytes, tried })
+        Ok(Made { source: Some(source), imported, options, bytes, tried })
     }
 }
 
 /// An import and the file that it becomes.
 struct Made {
-    source: MeshSource,
+    /// If it is needed again.
+    source: Option<MeshSource>,
     imported: Imported,
     /// As asked for, or as chosen.
     options: ImportOptions,
@@ -228,7 +235,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let model = &imported.model;
     let [rms, max] = imported.distance;
     let name = args.output.file_name().unwrap_or_default().to_string_lossy();
-    let page = args.report.as_ref().map(|_| report(&source, &imported, &options, &name)).transpose()?;
+    let reported = source.as_ref().filter(|_| args.report.is_some());
+    let page = reported.map(|source| report(source, &imported, &options, &name)).transpose()?;
     output::replace(&args.output, &bytes)?;
     if let (Some(path), Some(page)) = (&args.report, page) {
         output::replace(path, page.as_bytes())?;

@@ -1,6 +1,7 @@
 //! From a triangle mesh to a hierarchy with positions: a mesh with subdivision connectivity keeps its vertices, any
 //! other is remeshed or can stand as its own base mesh.
 
+use super::aside::Aside;
 use super::clean::CleanReport;
 use super::clean::weld::equal;
 use super::marks::mark;
@@ -84,6 +85,11 @@ pub enum ConversionError {
     /// The mesh could not be remeshed.
     #[error(transparent)]
     Remesh(#[from] RemeshError),
+    /// Positions that were put aside cannot be read any more.
+    #[error(
+        "the folder for temporary files does not give back what was put there ({0}); see to it and import again"
+    )]
+    Aside(String),
 }
 
 /// Converts a mesh: by its subdivision connectivity, as its own base mesh, or by remeshing. Linear in its faces but for
@@ -105,6 +111,56 @@ pub fn convert_with_progress(
     options: &ConversionOptions,
     progress: &dyn Fn(Phase, f32) -> bool,
 ) -> Result<Converted, ConversionError> {
+    check(mesh)?;
+    let detected = if options.remesh == Remesh::Always { Ok(None) } else { detect_in(mesh, options) };
+    convert_detected(mesh, options, detected, progress)
+}
+
+/// Meshes with more vertices wait for their connectivity without their positions.
+const PUT_ASIDE_FROM: usize = 1 << 20;
+
+/// [`convert_with_progress`] of a mesh that is not needed afterwards. The result is the same; a large mesh with subdivision
+/// connectivity takes a third less memory, since its positions are in a scratch file while that is found, and its faces are
+/// let go before the positions come back.
+///
+/// # Errors
+/// See [`ConversionError`].
+pub fn convert_owned(
+    mesh: TriangleMesh,
+    options: &ConversionOptions,
+    progress: &dyn Fn(Phase, f32) -> bool,
+) -> Result<Converted, ConversionError> {
+    convert_putting_aside(mesh, options, progress, PUT_ASIDE_FROM)
+}
+
+fn convert_putting_aside(
+    mut mesh: TriangleMesh,
+    options: &ConversionOptions,
+    progress: &dyn Fn(Phase, f32) -> bool,
+    from: usize,
+) -> Result<Converted, ConversionError> {
+    let count = mesh.positions.len();
+    if options.remesh == Remesh::Always || count < from {
+        return convert_with_progress(&mesh, options, progress);
+    }
+    check(&mesh)?;
+    let Ok(aside) = Aside::put(&mesh.positions) else {
+        return convert_with_progress(&mesh, options, progress);
+    };
+    mesh.positions = Vec::new();
+    let detected = detect(count as u32, &mesh.faces, options.levels.unwrap_or(FINEST_LEVEL));
+    let back = || aside.take(count).map_err(|error| ConversionError::Aside(error.to_string()));
+    if let Ok(Some(detected)) = detected {
+        let marks = mesh.sharp_edges;
+        drop(mesh.faces);
+        return Ok(kept((detected, Kind::AsItIs, marks), &back()?, options));
+    }
+    mesh.positions = back()?;
+    convert_detected(&mesh, options, detected, progress)
+}
+
+/// Refuses a mesh without faces or with faces of vertices that do not exist.
+fn check(mesh: &TriangleMesh) -> Result<(), ConversionError> {
     if mesh.faces.is_empty() {
         return Err(ConversionError::Empty);
     }
@@ -114,25 +170,44 @@ pub fn convert_with_progress(
     {
         return Err(NotManifold::MissingVertex { face, vertex }.into());
     }
+    Ok(())
+}
+
+/// Converts a mesh by what was found of its connectivity.
+fn convert_detected(
+    mesh: &TriangleMesh,
+    options: &ConversionOptions,
+    detected: Result<Option<Detected>, NotManifold>,
+    progress: &dyn Fn(Phase, f32) -> bool,
+) -> Result<Converted, ConversionError> {
     let own = || mesh.sharp_edges.clone();
-    let (detected, kind, marks) = match options.remesh {
+    let found = match options.remesh {
         Remesh::Always => return remeshed(mesh, options, progress),
-        Remesh::Auto => match detect_in(mesh, options).ok().flatten() {
+        Remesh::Auto => match detected.ok().flatten() {
             Some(detected) => (detected, Kind::AsItIs, own()),
             None => match detect_welded(mesh, options) {
                 Some(Welded { detected, merged, marks }) => (detected, Kind::Welded(merged), marks),
                 None => return remeshed(mesh, options, progress),
             },
         },
-        Remesh::Never => match detect_in(mesh, options)? {
+        Remesh::Never => match detected? {
             Some(detected) => (detected, Kind::AsItIs, own()),
             None => (own_base_of_used(mesh)?, Kind::OwnBase, own()),
         },
     };
+    Ok(kept(found, &mesh.positions, options))
+}
+
+/// A mesh that keeps its vertices, of which these are the positions.
+fn kept(
+    (detected, kind, marks): (Detected, Kind, Vec<[u32; 2]>),
+    positions: &[[f64; 3]],
+    options: &ConversionOptions,
+) -> Converted {
     let merged = if let Kind::Welded(merged) = kind { merged } else { 0 };
     let report = CleanReport {
         welded: merged,
-        unreferenced: mesh.positions.len() - detected.source.len() - merged,
+        unreferenced: positions.len() - detected.source.len() - merged,
         ..CleanReport::default()
     };
     let (Detected { hierarchy, source }, left) = mark(detected, &marks);
@@ -148,9 +223,9 @@ pub fn convert_with_progress(
             "the mesh keeps its own vertices, so its base mesh was not made symmetric along {axis}; that needs converting it in any case"
         ));
     }
-    let positions = source.par_iter().map(|&v| mesh.positions[v as usize]).collect();
+    let positions = source.par_iter().map(|&v| positions[v as usize]).collect();
     let source = (kind != Kind::OwnBase).then_some(source);
-    Ok(Converted { hierarchy, positions, source, cleaned, measured: None })
+    Converted { hierarchy, positions, source, cleaned, measured: None }
 }
 
 /// How a mesh came to a hierarchy without remeshing.
@@ -225,4 +300,32 @@ fn own_base_of_used(mesh: &TriangleMesh) -> Result<Detected, ConversionError> {
     let faces: Vec<[u32; 3]> = connectivity.faces().iter().map(|f| f.map(|v| number[v as usize])).collect();
     let detected = own_base(used.len() as u32, &faces)?;
     Ok(Detected { hierarchy: detected.hierarchy, source: used })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes;
+
+    /// Putting positions aside changes nothing of what comes out.
+    #[test]
+    fn an_owned_mesh_converts_as_a_lent_one() {
+        let ball = shapes::subdivide(&shapes::octahedron(), 3);
+        let mut marked = ball.clone().with_sharp_edges(ball.faces.iter().map(|f| [f[0], f[1]]).collect());
+        marked.positions.push([9.0; 3]);
+        let mut soup = ball.clone();
+        soup.positions = ball.faces.iter().flatten().map(|&v| ball.positions[v as usize]).collect();
+        soup.faces = (0..ball.faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        let mut missing = ball.clone();
+        missing.faces[3][1] = 7000;
+        let meshes = [ball, marked, soup, missing, shapes::torus(3, 5), TriangleMesh::default()];
+        for (at, mesh) in meshes.into_iter().enumerate() {
+            for remesh in [Remesh::Auto, Remesh::Never] {
+                let options = ConversionOptions { remesh, ..ConversionOptions::default() };
+                let lent = format!("{:?}", convert(&mesh, &options));
+                let owned = convert_putting_aside(mesh.clone(), &options, &|_, _| true, 0);
+                assert!(format!("{owned:?}") == lent, "mesh {at}, {remesh:?}");
+            }
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 mod along;
 mod approach;
+mod aside;
 mod attempts;
 mod base_flips;
 pub mod clean;
@@ -43,6 +44,8 @@ mod watch;
 mod working_mesh;
 
 pub use along::{Goal, move_along};
-pub use convert::{ConversionError, ConversionOptions, Converted, Remesh, convert, convert_with_progress};
+pub use convert::{
+    ConversionError, ConversionOptions, Converted, Remesh, convert, convert_owned, convert_with_progress,
+};
 pub use globe::{EquirectangularGrid, GlobeError, GridMeaning, globe};
 pub use symmetry::Axis;

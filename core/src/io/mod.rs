@@ -27,14 +27,15 @@ mod off;
 mod ply;
 mod polygon;
 mod stl;
+mod stream;
 mod text;
 mod watch;
 
-use std::fs::File;
-use std::io::{BufWriter, Read, Write};
+use std::io::{BufRead, BufWriter, Write};
 use std::path::Path;
 
 use crate::mesh::TriangleMesh;
+use stream::Stream;
 use watch::Watch;
 
 pub use error::{Defect, MeshFileError, MeshWriteError, Place};
@@ -90,22 +91,22 @@ type Parsed<T> = Result<T, (Place, Defect)>;
 
 /// Reads a mesh file; its extension names the format.
 ///
-/// Cost: linear in the file's size, 0.1 s or less for 100 k faces. Memory while reading: some seven times the
-/// file's size for a usual OBJ, four for the others, twenty at worst.
+/// Cost: linear in the file's size, 0.1 s or less for 100 k faces. Memory while reading: OBJ and binary PLY are read as they
+/// come, so the mesh and little more; of the others the file as well, and some four times its size at worst.
 pub fn read_mesh(path: &Path) -> Result<TriangleMesh, MeshFileError> {
-    let (format, bytes) = mesh_file_bytes(path, &mut |_| true)?;
-    read_mesh_bytes(format, &bytes, &path.display().to_string())
+    read_mesh_file(path, &mut |_, _| {}, &mut || true)
 }
 
-/// The contents of a mesh file and the format that its extension names, for [`read_mesh_bytes`]. `progress` gets the
-/// share read, every few megabytes, and returns whether to go on.
+/// [`read_mesh`] with two calls back: `seen` gets every byte of the file once, in order, and the share of the work done so
+/// far; `go_on` is asked every few thousand lines or elements whether to go on.
 ///
 /// # Errors
-/// The file cannot be read, its format is none that is read, or the progress function asked to stop.
-pub fn mesh_file_bytes(
+/// The file cannot be read, its format is none that is read, its contents are wrong, or `go_on` said no.
+pub fn read_mesh_file(
     path: &Path,
-    progress: &mut dyn FnMut(f32) -> bool,
-) -> Result<(MeshFormat, Vec<u8>), MeshFileError> {
+    seen: &mut dyn FnMut(&[u8], f32),
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<TriangleMesh, MeshFileError> {
     let name = path.display().to_string();
     if path.is_dir() {
         return Err(MeshFileError::not_a_file(&name));
@@ -115,7 +116,51 @@ pub fn mesh_file_bytes(
         let extension = path.extension().map(|extension| extension.to_string_lossy().into_owned());
         return Err(MeshFileError::unsupported(&name, extension.as_deref()));
     };
-    Ok((format, read_bytes(path, &name, progress)?))
+    let streamed = matches!(format, MeshFormat::Obj | MeshFormat::Ply);
+    // Where the file is read first, that is little beside the text in it.
+    let share = if streamed { 1.0 } else { 0.2 };
+    let mut shared = |bytes: &[u8], done: f32| seen(bytes, done * share);
+    let mut file = Stream::open(path, &name, &mut shared)?;
+    if !streamed {
+        let bytes = file.read_whole(&name, go_on)?;
+        return read_mesh_bytes_while(format, &bytes, &name, go_on);
+    }
+    let length = file.length();
+    let parsed = parse_stream(format, &mut file, length, go_on);
+    if parsed.is_ok() {
+        file.pass_over_rest();
+    }
+    match file.failure() {
+        Some(error) => Err(MeshFileError::unreadable(&name, error)),
+        None => parsed.map_err(|wrong| said(&name, wrong)),
+    }
+}
+
+/// Parses a format that can be read as it comes.
+fn parse_stream(
+    format: MeshFormat,
+    file: &mut impl BufRead,
+    length: u64,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Parsed<TriangleMesh> {
+    let watch = Watch::new(go_on);
+    watch.ask()?;
+    let begun = file.fill_buf().unwrap_or_default();
+    if begun.len() as u64 >= length && begun.iter().all(u8::is_ascii_whitespace) {
+        return Err((Place::Whole, Defect::Empty));
+    }
+    match format {
+        MeshFormat::Obj => obj::parse(file, &watch),
+        _ => ply::parse(file, length, &watch),
+    }
+}
+
+/// An error in the file of a name.
+fn said(name: &str, (place, defect): (Place, Defect)) -> MeshFileError {
+    match defect {
+        Defect::Cancelled => MeshFileError::cancelled(name),
+        defect => MeshFileError::malformed(name, place, defect),
+    }
 }
 
 /// Reads a mesh from the contents of a file; `name` is what errors call it.
@@ -140,16 +185,13 @@ pub fn read_mesh_bytes_while(
     }
     let watch = Watch::new(go_on);
     let parsed = match format {
-        MeshFormat::Obj => obj::parse(bytes, &watch),
-        MeshFormat::Ply => ply::parse(bytes, &watch),
+        MeshFormat::Obj => obj::parse(&mut &bytes[..], &watch),
+        MeshFormat::Ply => ply::parse(&mut &bytes[..], bytes.len() as u64, &watch),
         MeshFormat::Off => off::parse(bytes, &watch),
         MeshFormat::Stl => stl::parse(bytes),
         MeshFormat::Glb => glb::parse(bytes),
     };
-    parsed.map_err(|(place, defect)| match defect {
-        Defect::Cancelled => MeshFileError::cancelled(name),
-        defect => MeshFileError::malformed(name, place, defect),
-    })
+    parsed.map_err(|wrong| said(name, wrong))
 }
 
 /// Writes a mesh in the given format. The writer is flushed, not synced.
@@ -184,35 +226,6 @@ fn check(mesh: &TriangleMesh, single_precision: bool) -> Result<(), MeshWriteErr
         return Err(MeshWriteError::VertexIndex { face, vertices });
     }
     Ok(())
-}
-
-/// Bytes read between two calls of the progress function: some hundredths of a second on a slow disk.
-const READ_AT_ONCE: u64 = 4 << 20;
-
-fn read_bytes(
-    path: &Path,
-    name: &str,
-    progress: &mut dyn FnMut(f32) -> bool,
-) -> Result<Vec<u8>, MeshFileError> {
-    let unreadable = |error: std::io::Error| MeshFileError::unreadable(name, error);
-    let metadata = std::fs::metadata(path).map_err(unreadable)?;
-    if !metadata.is_file() {
-        return Err(MeshFileError::not_a_file(name));
-    }
-    let mut bytes = Vec::new();
-    let length = usize::try_from(metadata.len()).unwrap_or(usize::MAX);
-    let room = bytes.try_reserve_exact(length);
-    room.map_err(|_| MeshFileError::malformed(name, Place::Whole, Defect::OutOfMemory))?;
-    let file = File::open(path).map_err(unreadable)?;
-    let mut file = file.take(metadata.len());
-    loop {
-        if !progress(bytes.len() as f32 / length.max(1) as f32) {
-            return Err(MeshFileError::cancelled(name));
-        }
-        if file.by_ref().take(READ_AT_ONCE).read_to_end(&mut bytes).map_err(unreadable)? == 0 {
-            return Ok(bytes);
-        }
-    }
 }
 
 /// An empty vector with room for `count` entries, or the error that there is none.

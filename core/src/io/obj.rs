@@ -1,167 +1,129 @@
 //! Wavefront OBJ.
 //!
-//! Reading takes two steps. The first checks the `v` and `f` lines, for `tobj`, which parses them in the
-//! second, names no line in its errors, takes NaN for a number, overflows on far negative indices, and
-//! refuses lines carried on with `\` or colours on some vertices only. What passes is handed on as a
-//! clean text that holds those lines and nothing else: three coordinates a vertex, plain absolute
-//! indices, no groups, objects or materials (at which `tobj` would start a mesh with its own numbering).
-//!
-//! `tobj` numbers vertices by first use. So the clean text begins its faces with one polygon of all
-//! vertices in order, which pins every number to the file's own; that polygon is taken off again.
+//! Read in one pass, as the file comes: of the text only a block is ever in memory. A face may refer to vertices that come
+//! later, so indices beyond those so far are judged at the end; a wrong vertex is told before a wrong face, wherever they
+//! stand.
 //!
 //! Read: `v` (a weight or a colour after the coordinates is ignored) and `f` with `v`, `v/vt`, `v//vn` and
 //! `v/vt/vn` corners, absolute or relative; `l` and `s`, which mark sharp edges. All other keywords are passed over.
 
-use std::io::Write;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::io::{BufRead, Write};
 
-use super::polygon::triangulate;
-use super::text::{ContinuedLines, Decimal, Lines, coordinates, whole, words};
-use super::watch::{Watch, WatchedBytes};
+use super::polygon::Polygons;
+use super::text::{ContinuedLines, Decimal, Lines, coordinates, words};
+use super::watch::Watch;
 use super::{Defect, LARGEST_COUNT, Parsed, Place};
 use crate::mesh::TriangleMesh;
+use blocks::Blocks;
+use indices::Indices;
 use marks::Marks;
 
+mod blocks;
+mod indices;
 mod marks;
 
 /// Parses a whole file.
-pub(super) fn parse(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
-    let (mut clean, vertices) = clean_vertices(bytes, watch)?;
-    let marks = clean_faces(bytes, vertices, &mut clean, watch)?;
-    let parsed = parse_clean(&clean, watch);
+pub(super) fn parse(file: &mut impl BufRead, watch: &Watch<'_>) -> Parsed<TriangleMesh> {
+    let mut model = Model::new()?;
+    let mut blocks = Blocks::new(file);
+    let mut read = 0;
+    while let Some(block) = blocks.next() {
+        let lines = if read == 0 { Lines::new(block) } else { Lines::after(block, read) };
+        let mut lines = ContinuedLines(lines);
+        for (number, line) in lines.by_ref() {
+            watch.pass()?;
+            model.line(number, &line)?;
+        }
+        read = lines.0.number();
+    }
     watch.ask()?;
-    let parsed = parsed.ok_or((Place::Whole, Defect::Parser))?;
-    drop(clean);
-    let (positions, corners, arities) =
-        without_numbering(parsed, vertices as usize).ok_or((Place::Whole, Defect::Parser))?;
-    let faces = triangulate(&positions, &corners, &arities)?;
-    let sharp = marks.sharp_edges(&faces, &arities);
-    Ok(TriangleMesh::new(positions, faces).with_sharp_edges(sharp))
+    model.finish()
 }
 
-/// The checked `v` lines, one a line, and how many there are.
-fn clean_vertices(bytes: &[u8], watch: &Watch<'_>) -> Parsed<(Vec<u8>, u64)> {
-    let mut clean = Vec::new();
-    let mut vertices = 0u64;
-    for (number, line) in ContinuedLines(Lines::new(bytes)) {
-        watch.pass()?;
-        let mut words = words(&line);
-        if words.next() != Some(b"v") {
-            continue;
+/// What a file holds, in the making.
+struct Model {
+    positions: Vec<[f64; 3]>,
+    polygons: Polygons,
+    /// Corners of the face on the line.
+    corners: Vec<u32>,
+    indices: Indices,
+    marks: Marks,
+    /// The first thing wrong that is no vertex.
+    wrong: Option<(Place, Defect)>,
+}
+
+impl Model {
+    fn new() -> Parsed<Self> {
+        Ok(Self {
+            positions: Vec::new(),
+            polygons: Polygons::with_room(0)?,
+            corners: Vec::new(),
+            indices: Indices::default(),
+            marks: Marks::default(),
+            wrong: None,
+        })
+    }
+
+    /// Takes a line in.
+    fn line(&mut self, number: u64, line: &[u8]) -> Parsed<()> {
+        let mut words = words(line);
+        let keyword = words.next();
+        if keyword == Some(b"v") {
+            let position = coordinates(words).map_err(|defect| (Place::Line(number), defect))?;
+            self.positions.push(position);
+            return Ok(());
         }
-        clean.push(b'v');
-        let copied = words.inspect(|word| {
-            clean.push(b' ');
-            clean.extend_from_slice(word);
-        });
-        coordinates(copied).map_err(|defect| (Place::Line(number), defect))?;
-        clean.push(b'\n');
-        vertices += 1;
-    }
-    match vertices {
-        0 => Err((Place::Whole, Defect::NoVertices)),
-        1..=LARGEST_COUNT => Ok((clean, vertices)),
-        _ => Err((Place::Whole, Defect::TooMany { what: "vertices" })),
-    }
-}
-
-/// Appends the polygon that fixes the numbering and the checked `f` lines with absolute indices; gives what marks edges.
-fn clean_faces(bytes: &[u8], vertices: u64, clean: &mut Vec<u8>, watch: &Watch<'_>) -> Parsed<Marks> {
-    clean.push(b'f');
-    (1..=vertices).for_each(|vertex| push_index(clean, vertex));
-    clean.push(b'\n');
-
-    let mut faces = 0u64;
-    let mut preceding = 0u64;
-    let mut marks = Marks::default();
-    for (number, line) in ContinuedLines(Lines::new(bytes)) {
-        watch.pass()?;
-        let mut words = words(&line);
-        match words.next() {
-            Some(b"v") => preceding += 1,
-            Some(b"f") => {
-                faces += 1;
-                clean.push(b'f');
-                let mut found = 0u64;
-                for corner in words {
-                    let vertex = absolute_index(corner, preceding, vertices);
-                    push_index(clean, vertex.map_err(|defect| (Place::Line(number), defect))?);
-                    found += 1;
+        if self.wrong.is_none() {
+            let preceding = self.positions.len() as u64;
+            let done = match keyword {
+                Some(b"f") => self.face(words, [number, preceding]),
+                Some(b"l") => self.marks.line(words, |word| self.indices.vertex(word, [number, preceding])),
+                Some(b"s") => {
+                    self.marks.group(words.next(), self.polygons.len() as u64);
+                    Ok(())
                 }
-                if found < 3 {
-                    return Err((Place::Line(number), Defect::TooFewCorners { found }));
-                }
-                clean.push(b'\n');
-            }
-            Some(b"l") => {
-                marks.line(words, preceding, vertices).map_err(|defect| (Place::Line(number), defect))?;
-            }
-            Some(b"s") => marks.group(words.next(), faces),
-            _ => {}
+                _ => Ok(()),
+            };
+            self.wrong = done.err().map(|defect| (Place::Line(number), defect));
         }
+        Ok(())
     }
-    match faces {
-        0 => Err((Place::Whole, Defect::NoFaces)),
-        1..=LARGEST_COUNT => Ok(marks),
-        _ => Err((Place::Whole, Defect::TooMany { what: "faces" })),
-    }
-}
 
-fn push_index(clean: &mut Vec<u8>, index: u64) {
-    clean.push(b' ');
-    clean.extend_from_slice(index.to_string().as_bytes());
-}
-
-/// The vertex, counted from 1, that a corner such as `7`, `7/2` or `-1//3` refers to. Positive indices
-/// may refer to vertices that come later in the file, negative ones count back from the face's line.
-fn absolute_index(corner: &[u8], preceding: u64, vertices: u64) -> Result<u64, Defect> {
-    let digits = corner.split(|&byte| byte == b'/').next().unwrap_or(corner);
-    let index = whole(digits).map_err(|_| Defect::NotAnIndex { token: super::error::excerpt(corner) })?;
-    let magnitude = index.unsigned_abs();
-    match index {
-        0 => Err(Defect::IndexZero),
-        1.. if magnitude > vertices => Err(Defect::IndexBeyond { index, vertices, base: 1 }),
-        1.. => Ok(magnitude),
-        _ if magnitude > preceding => Err(Defect::IndexBefore { back: magnitude, vertices: preceding }),
-        _ => Ok(preceding - magnitude + 1),
+    fn face<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>, at: [u64; 2]) -> Result<(), Defect> {
+        self.corners.clear();
+        for word in words {
+            self.corners.push(self.indices.vertex(word, at)?);
+        }
+        let found = self.corners.len() as u64;
+        if found < 3 {
+            return Err(Defect::TooFewCorners { found });
+        }
+        self.polygons.push(&self.corners);
+        Ok(())
     }
-}
 
-/// What `tobj` makes of a clean text; `None` if it fails after all, or is to stop.
-fn parse_clean(clean: &[u8], watch: &Watch<'_>) -> Option<tobj::Mesh> {
-    let options = tobj::LoadOptions {
-        single_index: false,
-        triangulate: false,
-        ignore_points: false,
-        ignore_lines: false,
-    };
-    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
-    let mut clean = WatchedBytes::new(clean, watch);
-    let parsed = catch_unwind(AssertUnwindSafe(|| tobj::load_obj_buf(&mut clean, &options, no_materials)));
-    let (models, _) = parsed.ok()?.ok()?;
-    let mut models = models.into_iter();
-    let model = models.next()?;
-    models.next().is_none().then_some(model.mesh)
-}
-
-/// Positions, corners and arities without the first polygon; `None` if that did not fix the numbering.
-#[expect(clippy::type_complexity, reason = "three parallel arrays, taken apart by the only caller")]
-fn without_numbering(mesh: tobj::Mesh, vertices: usize) -> Option<(Vec<[f64; 3]>, Vec<u32>, Vec<u32>)> {
-    let positions: Vec<[f64; 3]> = mesh.positions.as_chunks().0.to_vec();
-    let mut corners = mesh.indices;
-    let mut arities = mesh.face_arities;
-    if arities.is_empty() {
-        // How tobj says that every face is a triangle.
-        arities = vec![3; corners.len() / 3];
+    /// The mesh, if everything it refers to was there.
+    fn finish(self) -> Parsed<TriangleMesh> {
+        let vertices = self.positions.len() as u64;
+        match vertices {
+            0 => return Err((Place::Whole, Defect::NoVertices)),
+            1..=LARGEST_COUNT => {}
+            _ => return Err((Place::Whole, Defect::TooMany { what: "vertices" })),
+        }
+        if let Some(wrong) = self.indices.beyond(vertices).or(self.wrong) {
+            return Err(wrong);
+        }
+        match self.polygons.len() as u64 {
+            0 => return Err((Place::Whole, Defect::NoFaces)),
+            1..=LARGEST_COUNT => {}
+            _ => return Err((Place::Whole, Defect::TooMany { what: "faces" })),
+        }
+        let groups = self.marks.has_borders();
+        let arities: Vec<u32> = if groups { self.polygons.arities().collect() } else { Vec::new() };
+        let faces = self.polygons.into_triangles(&self.positions)?;
+        let sharp = self.marks.sharp_edges(&faces, &arities);
+        Ok(TriangleMesh::new(self.positions, faces).with_sharp_edges(sharp))
     }
-    let numbered = corners.len() >= vertices && (0u32..).zip(&corners[..vertices]).all(|(i, &v)| i == v);
-    let complete = arities.iter().map(|&arity| u64::from(arity)).sum::<u64>() == corners.len() as u64;
-    if positions.len() != vertices || !numbered || !complete || arities.first() != Some(&(vertices as u32)) {
-        return None;
-    }
-    corners.drain(..vertices);
-    arities.remove(0);
-    Some((positions, corners, arities))
 }
 
 /// Writes `v` and `f` lines, and an `l` line for each sharp edge.

@@ -6,7 +6,7 @@
 //! `face`, of any integer type, and `vertex1` and `vertex2` of `edge`, which mark sharp edges. Other properties
 //! and elements are passed over.
 
-use std::io::Write;
+use std::io::{BufRead, Read, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use ply_rs_bw::parser::{Parser, Reader};
@@ -25,86 +25,132 @@ use edge::Edge;
 mod edge;
 mod header;
 
-/// Parses a whole file.
-pub(super) fn parse(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
-    let parsed = catch_unwind(AssertUnwindSafe(|| parse_unguarded(bytes, watch)));
+/// Parses a file of `length` bytes. Binary elements are read as the file comes, text only when all of it is there.
+pub(super) fn parse(file: &mut impl BufRead, length: u64, watch: &Watch<'_>) -> Parsed<TriangleMesh> {
+    let parsed = catch_unwind(AssertUnwindSafe(|| parse_unguarded(file, length, watch)));
     parsed.unwrap_or(Err((Place::Whole, Defect::Parser)))
 }
 
-fn parse_unguarded(bytes: &[u8], watch: &Watch<'_>) -> Parsed<TriangleMesh> {
-    let (header, payload, lines) = header::read(bytes)?;
-    header::check(&header, payload.len() as u64)?;
-    let vertices = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
-    let mut positions: Vec<[f64; 3]> = with_room(vertices)?;
-    let faces = header.elements.get("face").map_or(0, |face| face.count);
-    let mut polygons = Polygons::with_room(faces)?;
-    let mut corners: Vec<u32> = Vec::new();
-    let mut sharp = Vec::new();
+fn parse_unguarded(file: &mut impl BufRead, length: u64, watch: &Watch<'_>) -> Parsed<TriangleMesh> {
+    let text = header::take(file)?;
+    let header = header::read(&text)?;
+    header::check(&header, length.saturating_sub(text.len()))?;
+    if header.encoding == Encoding::Ascii {
+        let mut payload = Vec::new();
+        let whole = file.read_to_end(&mut payload);
+        whole.map_err(|_| (Place::Whole, Defect::OutOfMemory))?;
+        return Source { header: &header, payload: Ascii(Lines::after(&payload, text.lines)) }.mesh(watch);
+    }
+    Source { header: &header, payload: Binary(file) }.mesh(watch)
+}
 
-    let mut source = Source { header: &header, payload, lines: Lines::after(payload, lines) };
-    for definition in header.elements.values() {
-        for index in 0..definition.count as u64 {
-            watch.pass()?;
-            match definition.name.as_str() {
-                "vertex" => {
-                    let (place, vertex): (Place, Vertex) = source.element(definition, index)?;
-                    positions.push(vertex.position().map_err(|defect| (place, defect))?);
-                }
-                "face" => {
-                    let (place, face): (Place, Face) = source.element(definition, index)?;
-                    face.check(vertices as u64, &mut corners).map_err(|defect| (place, defect))?;
-                    polygons.push(&corners);
-                }
-                edge::NAME => {
-                    let (place, edge): (Place, Edge) = source.element(definition, index)?;
-                    sharp.extend(edge.ends(vertices as u64).map_err(|defect| (place, defect))?);
-                }
-                _ => drop(source.element::<Skipped>(definition, index)?),
-            }
+/// Where elements come from.
+trait Payload {
+    /// Reads an element of `definition`; its place, or where that is not known before it is there, `None`.
+    fn element<E: PropertyAccess>(&mut self, encoding: Encoding, definition: &ElementDef) -> Element<E>;
+}
+
+/// An element, or why there is none.
+enum Element<E> {
+    /// It, with its line if the file has lines.
+    Here(E, Option<u64>),
+    /// The file ends before it.
+    Missing,
+    /// It cannot be read.
+    Bad(Option<u64>),
+}
+
+/// What is left of a binary file.
+struct Binary<'a, R>(&'a mut R);
+
+impl<R: BufRead> Payload for Binary<'_, R> {
+    fn element<E: PropertyAccess>(&mut self, encoding: Encoding, definition: &ElementDef) -> Element<E> {
+        let parser = Parser::<E>::new();
+        let parsed = match encoding {
+            Encoding::BinaryBigEndian => parser.read_big_endian_element(self.0, definition),
+            _ => parser.read_little_endian_element(self.0, definition),
+        };
+        match parsed {
+            Ok(element) => Element::Here(element, None),
+            Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => Element::Missing,
+            Err(_) => Element::Bad(None),
         }
     }
-    let faces = polygons.into_triangles(&positions)?;
-    Ok(TriangleMesh::new(positions, faces).with_sharp_edges(sharp))
+}
+
+/// What is left of a text.
+struct Ascii<'a>(Lines<'a>);
+
+impl Payload for Ascii<'_> {
+    fn element<E: PropertyAccess>(&mut self, _: Encoding, definition: &ElementDef) -> Element<E> {
+        let Some((number, line)) = self.0.find(|(_, line)| !line.trim_ascii().is_empty()) else {
+            return Element::Missing;
+        };
+        match Parser::<E>::new().read_ascii_element(&tidy(line), definition) {
+            Ok(element) => Element::Here(element, Some(number)),
+            Err(_) => Element::Bad(Some(number)),
+        }
+    }
 }
 
 /// The part of the file after the header.
-struct Source<'a> {
+struct Source<'a, P> {
     header: &'a Header,
-    /// What is left of a binary payload.
-    payload: &'a [u8],
-    /// What is left of an ASCII payload.
-    lines: Lines<'a>,
+    payload: P,
 }
 
-impl Source<'_> {
-    /// The next element, which must be of `definition`, and its place.
-    fn element<E: PropertyAccess>(&mut self, definition: &ElementDef, index: u64) -> Parsed<(Place, E)> {
-        let parser = Parser::<E>::new();
-        let truncated = || Defect::Truncated {
-            what: format!("elements '{}'", excerpt(definition.name.as_bytes())),
-            found: index,
-            declared: definition.count as u64,
-        };
-        if self.header.encoding == Encoding::Ascii {
-            let line = self.lines.find(|(_, line)| !line.trim_ascii().is_empty());
-            let (number, line) = line.ok_or_else(|| (Place::Whole, truncated()))?;
-            let place = Place::Line(number);
-            return match parser.read_ascii_element(&tidy(line), definition) {
-                Ok(element) => Ok((place, element)),
-                Err(_) => Err((place, Defect::BadElement)),
-            };
-        }
-        let parsed = match self.header.encoding {
-            Encoding::BinaryBigEndian => parser.read_big_endian_element(&mut self.payload, definition),
-            _ => parser.read_little_endian_element(&mut self.payload, definition),
-        };
-        let place = Place::Element { name: excerpt(definition.name.as_bytes()), index };
-        match parsed {
-            Ok(element) => Ok((place, element)),
-            Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
-                Err((Place::Whole, truncated()))
+impl<P: Payload> Source<'_, P> {
+    fn mesh(mut self, watch: &Watch<'_>) -> Parsed<TriangleMesh> {
+        let header = self.header;
+        let vertices = header.elements.get("vertex").map_or(0, |vertex| vertex.count);
+        let mut positions: Vec<[f64; 3]> = with_room(vertices)?;
+        let faces = header.elements.get("face").map_or(0, |face| face.count);
+        let mut polygons = Polygons::with_room(faces)?;
+        let mut corners: Vec<u32> = Vec::new();
+        let mut sharp = Vec::new();
+        for definition in header.elements.values() {
+            for index in 0..definition.count as u64 {
+                watch.pass()?;
+                match definition.name.as_str() {
+                    "vertex" => {
+                        let (place, vertex): (_, Vertex) = self.element(definition, index)?;
+                        positions.push(vertex.position().map_err(|defect| (place(), defect))?);
+                    }
+                    "face" => {
+                        let (place, face): (_, Face) = self.element(definition, index)?;
+                        face.check(vertices as u64, &mut corners).map_err(|defect| (place(), defect))?;
+                        polygons.push(&corners);
+                    }
+                    edge::NAME => {
+                        let (place, edge): (_, Edge) = self.element(definition, index)?;
+                        sharp.extend(edge.ends(vertices as u64).map_err(|defect| (place(), defect))?);
+                    }
+                    _ => drop(self.element::<Skipped>(definition, index)?),
+                }
             }
-            Err(_) => Err((place, Defect::BadElement)),
+        }
+        let faces = polygons.into_triangles(&positions)?;
+        Ok(TriangleMesh::new(positions, faces).with_sharp_edges(sharp))
+    }
+
+    /// The next element, which must be of `definition`, and how to say its place.
+    fn element<'d, E: PropertyAccess>(
+        &mut self,
+        definition: &'d ElementDef,
+        index: u64,
+    ) -> Parsed<(impl Fn() -> Place + 'd, E)> {
+        let place = move |line: Option<u64>| match line {
+            Some(line) => Place::Line(line),
+            None => Place::Element { name: excerpt(definition.name.as_bytes()), index },
+        };
+        match self.payload.element(self.header.encoding, definition) {
+            Element::Here(element, line) => Ok((move || place(line), element)),
+            Element::Bad(line) => Err((place(line), Defect::BadElement)),
+            Element::Missing => {
+                let what = format!("elements '{}'", excerpt(definition.name.as_bytes()));
+                let declared = definition.count as u64;
+                Err((Place::Whole, Defect::Truncated { what, found: index, declared }))
+            }
         }
     }
 }

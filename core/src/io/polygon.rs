@@ -41,6 +41,16 @@ impl Polygons {
         }
     }
 
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.triangles.len() + self.arities.len()
+    }
+
+    /// How many corners each has.
+    pub(super) fn arities(&self) -> impl Iterator<Item = u32> {
+        std::iter::repeat_n(3, self.triangles.len()).chain(self.arities.iter().copied())
+    }
+
     /// All as triangles, as [`triangulate`] cuts them.
     pub(super) fn into_triangles(self, positions: &[[f64; 3]]) -> Parsed<Vec<[u32; 3]>> {
         let Self { triangles: mut faces, corners, arities } = self;

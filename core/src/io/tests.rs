@@ -96,6 +96,32 @@ fn a_file_is_read_by_its_extension() {
     }
 }
 
+/// Longer than what is read at a time.
+#[test]
+fn a_file_is_shown_whole_and_in_order_while_it_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = crate::mesh::shapes::subdivide(&crate::mesh::shapes::octahedron(), 7);
+    for format in MeshFormat::READABLE {
+        let mut bytes = written(&mesh, format);
+        if format == MeshFormat::Ply {
+            bytes.extend(b"\nwhat the header does not declare");
+        }
+        let path = folder.path().join(format!("model.{}", format.extension()));
+        std::fs::write(&path, &bytes).unwrap();
+        let (mut seen, mut shares) = (Vec::new(), Vec::new());
+        let mut observed = |part: &[u8], share| {
+            seen.extend_from_slice(part);
+            shares.push(share);
+        };
+        let read = read_mesh_file(&path, &mut observed, &mut || true).unwrap();
+        assert!(read == read_mesh_bytes(format, &bytes, "model").unwrap(), "{format:?}");
+        assert!(seen == bytes, "{format:?}");
+        assert!(shares.len() > 1 && shares.is_sorted() && shares.iter().all(|s| (0.0..=1.0).contains(s)));
+        let refused = read_mesh_file(&path, &mut |_, _| {}, &mut || false);
+        assert!(matches!(refused, Err(MeshFileError::Cancelled { .. })), "{format:?}");
+    }
+}
+
 #[test]
 fn what_is_no_mesh_file_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();

@@ -25,6 +25,11 @@ impl<'a> Lines<'a> {
     pub(super) fn after(rest: &'a [u8], number: u64) -> Self {
         Self { rest, number }
     }
+
+    /// How many lines of the file have been read.
+    pub(super) fn number(&self) -> u64 {
+        self.number
+    }
 }
 
 impl<'a> Iterator for Lines<'a> {

@@ -2,12 +2,9 @@
 
 use super::{Defect, Parsed, Place};
 use std::cell::{Cell, RefCell};
-use std::io::{BufRead, Error, Read, Result};
 
 /// Lines or elements parsed between two questions: a hundredth of a second at most.
 const STRIDE: u32 = 4096;
-/// Bytes handed to a parser between two questions.
-const WINDOW: usize = 1 << 16;
 
 /// The question whether to go on, asked now and then; after the first no it is not asked again.
 pub(super) struct Watch<'a> {
@@ -34,44 +31,6 @@ impl<'a> Watch<'a> {
             self.refused.set(true);
         }
         if self.refused.get() { Err((Place::Whole, Defect::Cancelled)) } else { Ok(()) }
-    }
-}
-
-/// Bytes that end in an error when the work is to stop, for a parser that reads lines by itself.
-pub(super) struct WatchedBytes<'a, 'w> {
-    rest: &'a [u8],
-    watch: &'a Watch<'w>,
-    /// What was lent out last and not consumed yet.
-    lent: usize,
-}
-
-impl<'a, 'w> WatchedBytes<'a, 'w> {
-    /// The bytes of a text.
-    pub(super) fn new(bytes: &'a [u8], watch: &'a Watch<'w>) -> Self {
-        Self { rest: bytes, watch, lent: 0 }
-    }
-}
-
-impl BufRead for WatchedBytes<'_, '_> {
-    fn fill_buf(&mut self) -> Result<&[u8]> {
-        if self.lent == 0 {
-            self.watch.ask().map_err(|_| Error::other("cancelled"))?;
-            self.lent = self.rest.len().min(WINDOW);
-        }
-        Ok(&self.rest[..self.lent])
-    }
-
-    fn consume(&mut self, amount: usize) {
-        self.rest = &self.rest[amount..];
-        self.lent -= amount;
-    }
-}
-
-impl Read for WatchedBytes<'_, '_> {
-    fn read(&mut self, into: &mut [u8]) -> Result<usize> {
-        let count = self.fill_buf()?.read(into)?;
-        self.consume(count);
-        Ok(count)
     }
 }
 

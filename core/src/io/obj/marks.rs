@@ -1,6 +1,5 @@
 //! What an OBJ file says of sharp edges: its `l` lines, and the smoothing groups between which its faces are not smooth.
 
-use super::absolute_index;
 use crate::io::Defect;
 use crate::io::text::whole;
 use std::collections::BTreeSet;
@@ -18,12 +17,11 @@ impl Marks {
     pub(super) fn line<'a>(
         &mut self,
         words: impl Iterator<Item = &'a [u8]>,
-        preceding: u64,
-        vertices: u64,
+        mut vertex: impl FnMut(&[u8]) -> Result<u32, Defect>,
     ) -> Result<(), Defect> {
         let mut before = None;
         for word in words {
-            let vertex = (absolute_index(word, preceding, vertices)? - 1) as u32;
+            let vertex = vertex(word)?;
             self.edges.extend(before.map(|before| [before, vertex]));
             before = Some(vertex);
         }
@@ -38,11 +36,17 @@ impl Marks {
         }
     }
 
-    /// The edges, in any order and perhaps repeated. `faces` are the triangles of polygons of the given arities, in order.
-    pub(super) fn sharp_edges(mut self, faces: &[[u32; 3]], arities: &[u32]) -> Vec<[u32; 2]> {
+    /// Whether there are groups that border on one another.
+    pub(super) fn has_borders(&self) -> bool {
         let named: BTreeSet<i64> =
             self.groups.iter().map(|group| group.1).filter(|group| *group != 0).collect();
-        if named.len() > 1 {
+        named.len() > 1
+    }
+
+    /// The edges, in any order and perhaps repeated. `faces` are the triangles of polygons of the given arities, in order; the
+    /// arities are needed only if there are borders.
+    pub(super) fn sharp_edges(mut self, faces: &[[u32; 3]], arities: &[u32]) -> Vec<[u32; 2]> {
+        if self.has_borders() {
             self.add_borders(faces, arities);
         }
         self.edges

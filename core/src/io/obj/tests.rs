@@ -91,6 +91,12 @@ fn errors_name_the_line_and_the_mend() {
         (format!("{SQUARE}f 1 2 /3\n"), "line 5: the vertex index '/3' is not a whole number"),
         (format!("{SQUARE}f 1 2 99999999999999999999\n"), "is not a whole number"),
         (format!("{SQUARE}f 1 2 -9223372036854775808\n"), "line 5: it refers 9223372036854775808"),
+        // The first thing wrong is told, vertices before faces.
+        (format!("f 9 1 2\nf 1 2 x\n{SQUARE}f 1 2 7\n"), "line 1: it refers to vertex 9"),
+        (format!("f 4 1 2\nf 1 2 x\n{SQUARE}f 1 2 7\n"), "line 2: the vertex index 'x'"),
+        (format!("f 4 1 2\nf 6 1 8\n{SQUARE}f 1 2 7\nl 1 9\n"), "line 2: it refers to vertex 6"),
+        (format!("f 1 2 x\n{SQUARE}v 0 nan 0\n"), "line 6: the coordinate 'nan'"),
+        (format!("{SQUARE}f 1 2 9223372036854775807\n"), "line 5: it refers to vertex 9223372036854775807"),
         ("v 0 0\nf 1 1 1\n".to_owned(), "line 1: a vertex needs three coordinates but has 2"),
         ("v 0 \\\n 0\nv 0 0 nan\nf 1 1 1\n".to_owned(), "line 1: a vertex needs three"),
         ("v 0 0 0\nv 0 nan 0\nf 1 1 1\n".to_owned(), "line 2: the coordinate 'nan' is not finite"),

@@ -11,25 +11,45 @@ pub(super) const VERTEX_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// The longest header that is read. Real ones are under 10 kB, some with long comments.
 const LONGEST_HEADER: usize = 1 << 20;
 
-/// The header, the bytes after it, and how many lines it has.
-pub(super) fn read(bytes: &[u8]) -> Parsed<(Header, &[u8], u64)> {
-    if !bytes.starts_with(b"ply") {
-        let reason = "it does not begin with 'ply'".to_owned();
-        return Err((Place::Line(1), Defect::NotThisFormat { format: "a PLY file", reason }));
-    }
-    let searched = &bytes[..bytes.len().min(LONGEST_HEADER)];
-    let mut length = 0;
-    let mut lines = searched.split_inclusive(|&byte| byte == b'\n').inspect(|line| length += line.len());
-    let last = lines.position(|line| line.trim_ascii_end() == b"end_header");
-    let count = last.ok_or_else(|| {
-        let problem = "the line 'end_header' is missing".to_owned();
-        (Place::Whole, Defect::Header { problem })
-    })? + 1;
-    drop(lines);
+/// A header as the file has it.
+pub(super) struct Text {
+    bytes: Vec<u8>,
+    /// How many lines it has.
+    pub(super) lines: u64,
+}
 
+impl Text {
+    /// Its length in bytes.
+    pub(super) fn len(&self) -> u64 {
+        self.bytes.len() as u64
+    }
+}
+
+/// Takes the header off the front of a file; what is left begins after it.
+pub(super) fn take(file: &mut impl BufRead) -> Parsed<Text> {
+    let mut text = Text { bytes: Vec::new(), lines: 0 };
+    loop {
+        let (start, room) = (text.bytes.len(), LONGEST_HEADER - text.bytes.len());
+        let read = file.by_ref().take(room as u64).read_until(b'\n', &mut text.bytes).unwrap_or(0);
+        text.lines += 1;
+        if text.lines == 1 && !text.bytes.starts_with(b"ply") {
+            let reason = "it does not begin with 'ply'".to_owned();
+            return Err((Place::Line(1), Defect::NotThisFormat { format: "a PLY file", reason }));
+        }
+        if text.bytes[start..].trim_ascii_end() == b"end_header" {
+            return Ok(text);
+        }
+        if read == 0 {
+            let problem = "the line 'end_header' is missing".to_owned();
+            return Err((Place::Whole, Defect::Header { problem }));
+        }
+    }
+}
+
+/// What a header says.
+pub(super) fn read(text: &Text) -> Parsed<Header> {
     // Comments may be in any encoding, but the parser wants UTF-8.
-    let (text, payload) = bytes.split_at(length);
-    let text = String::from_utf8_lossy(text);
+    let text = String::from_utf8_lossy(&text.bytes);
     let mut reader = Reader::new(text.as_bytes());
     let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(|error| {
         let place = error.line().map_or(Place::Whole, |line| Place::Line(line as u64));
@@ -38,7 +58,7 @@ pub(super) fn read(bytes: &[u8]) -> Parsed<(Header, &[u8], u64)> {
         (place, Defect::Header { problem })
     })?;
     check_names(&text, &header)?;
-    Ok((header, payload, count as u64))
+    Ok(header)
 }
 
 /// Refuses two elements, or two properties of one element, of the same name, of which the parser keeps
