@@ -7,6 +7,8 @@
 mod edits;
 mod files;
 mod machine;
+mod memory;
+mod orbit;
 mod shape;
 mod sparse;
 mod timings;
@@ -16,6 +18,7 @@ use anyhow::Result;
 use bozzetto_core::hierarchy::Level;
 use edits::{Sculpture, dab};
 use machine::Machine;
+pub(crate) use memory::{MemoryFigures, peaks};
 use serde::Serialize;
 use shape::Base;
 
@@ -49,6 +52,8 @@ pub(crate) struct Figures {
     pub(crate) sparse_ns_per_vertex: f64,
     /// Analysis and synthesis: one thread's time over two threads'.
     pub(crate) two_threads_speedup: f64,
+    /// Copying the finest level's vertices: one thread's time over two threads'. What memory alone allows.
+    pub(crate) copy_two_threads_speedup: f64,
     /// Cost per vertex two levels finer over that two levels coarser: analysis or synthesis, whichever is more.
     pub(crate) scale_ratio: f64,
     /// The same over 400 base faces, with five levels fewer and one fewer.
@@ -67,6 +72,13 @@ pub(crate) struct Figures {
     pub(crate) dab_vertices: usize,
     /// Undo over edit, of the two edits the one where it is more.
     pub(crate) undo_ratio: f64,
+    /// Processor time of the window's thread for a frame while the camera goes round, two levels finer; none without a
+    /// graphics adapter.
+    pub(crate) orbit_frame_ms: Option<f64>,
+    /// The same over that two levels coarser.
+    pub(crate) orbit_ratio: Option<f64>,
+    /// Whether the adapter held both surfaces; a software one does not hold 16 million vertices, and draws none of them.
+    pub(crate) orbit_drawn: Option<bool>,
     /// A wavelet file to a surface.
     pub(crate) open_ms: f64,
     /// A surface to a wavelet file on disk.
@@ -99,10 +111,12 @@ pub(crate) fn measure(levels: u8, progress: &dyn Fn(f32)) -> Result<Figures> {
     progress(0.6);
     let dab = dab(surface.clone(), (vertices as f64 * DAB).ceil() as usize, 9)?;
     progress(0.7);
-    let files = files::files(surface, 3, &share(0.7, 0.85))?;
-    let mut large = Sculpture::new(Base::EightFaces.surface(levels + 2)?);
-    progress(0.95);
-    let large = large.move_and_undo(Level(levels - 1), 301)?;
+    let files = files::files(surface, 3, &share(0.7, 0.8))?;
+    let mut sculpture = Sculpture::new(Base::EightFaces.surface(levels + 2)?);
+    progress(0.85);
+    let large = sculpture.move_and_undo(Level(levels - 1), 301)?;
+    let sizes = [Base::EightFaces.surface(levels - 2)?, sculpture.into_surface()];
+    let orbit = orbit::frames(sizes, 21, &share(0.87, 1.0))?;
     Ok(Figures {
         version: env!("CARGO_PKG_VERSION"),
         machine: Machine::here(),
@@ -113,6 +127,7 @@ pub(crate) fn measure(levels: u8, progress: &dyn Fn(f32)) -> Result<Figures> {
         copy_ns_per_vertex: transform.copy,
         sparse_ns_per_vertex: transform.sparse,
         two_threads_speedup: transform.two_threads_speedup,
+        copy_two_threads_speedup: transform.copy_two_threads_speedup,
         scale_ratio,
         scale_ratio_400_faces,
         edit_fine_us: fine.edit * 1e6,
@@ -122,6 +137,9 @@ pub(crate) fn measure(levels: u8, progress: &dyn Fn(f32)) -> Result<Figures> {
         dab_shown_ms: dab.shown * 1e3,
         dab_vertices: dab.vertices,
         undo_ratio: (fine.undo / fine.edit).max(coarse.undo / coarse.edit),
+        orbit_frame_ms: orbit.map(|frames| frames.seconds[1] * 1e3),
+        orbit_ratio: orbit.map(|frames| frames.seconds[1] / frames.seconds[0]),
+        orbit_drawn: orbit.map(|frames| frames.drawn),
         open_ms: files.open * 1e3,
         save_ms: files.save * 1e3,
         import_ms: files.import * 1e3,

@@ -67,6 +67,8 @@ pub(super) struct TransformFigures {
     pub(super) sparse: f64,
     /// One thread's time over two threads'.
     pub(super) two_threads_speedup: f64,
+    /// The same of copying, half of the vertices each.
+    pub(super) copy_two_threads_speedup: f64,
 }
 
 /// Measures analysis, synthesis and both baselines by turns.
@@ -79,8 +81,8 @@ pub(super) fn transforms(surface: &Surface, runs: usize, done: &dyn Fn(f32)) -> 
     let mut sparse = SparseAnalysis::of(surface);
     let finest = surface.scaling(surface.finest());
     let mut copied = finest.to_vec();
-    let mut timings: [Timings; 6] = Default::default();
-    let [analysis, synthesis, copy, explicit, together, apart] = &mut timings;
+    let mut timings: [Timings; 7] = Default::default();
+    let [analysis, synthesis, copy, copy_together, explicit, together, apart] = &mut timings;
     for run in 0..runs {
         done(run as f32 / runs as f32);
         // Once unmeasured: the matrices have pushed everything out of the caches, and threads that have just woken may
@@ -95,6 +97,14 @@ pub(super) fn transforms(surface: &Surface, runs: usize, done: &dyn Fn(f32)) -> 
         two.install(|| {
             bank.both_ways();
             together.time(|| bank.both_ways());
+            let half = finest.len() / 2;
+            let (low, high) = copied.split_at_mut(half);
+            copy_together.time(|| {
+                rayon::join(
+                    || black_box(low).copy_from_slice(black_box(&finest[..half])),
+                    || black_box(high).copy_from_slice(black_box(&finest[half..])),
+                )
+            });
         });
         one.install(|| {
             copy.time(|| black_box(&mut copied).copy_from_slice(black_box(finest)));
@@ -108,6 +118,7 @@ pub(super) fn transforms(surface: &Surface, runs: usize, done: &dyn Fn(f32)) -> 
         copy: per_vertex(copy),
         sparse: per_vertex(explicit),
         two_threads_speedup: apart.median() / together.median(),
+        copy_two_threads_speedup: copy.median() / copy_together.median(),
     })
 }
 

@@ -106,8 +106,22 @@ impl Editor {
         chooser: Box<dyn FileChooser>,
         start: Start,
     ) -> Result<Self, GpuError> {
-        theme::apply(&cc.egui_ctx);
         let state = cc.wgpu_render_state.as_ref().expect("the window draws with wgpu");
+        Self::over(&cc.egui_ctx, state, samples, chooser, start)
+    }
+
+    /// An editor in whatever draws egui.
+    ///
+    /// # Errors
+    /// The adapter cannot draw surfaces.
+    pub(crate) fn over(
+        context: &egui::Context,
+        state: &egui_wgpu::RenderState,
+        samples: Samples,
+        chooser: Box<dyn FileChooser>,
+        start: Start,
+    ) -> Result<Self, GpuError> {
+        theme::apply(context);
         let mut editor = Self {
             document: None,
             settings: Settings::default(),
@@ -136,7 +150,7 @@ impl Editor {
         match start {
             Start::Empty => {}
             Start::Session(session) => editor.show(*session, Vec::new()),
-            Start::File(path) => editor.open(&cc.egui_ctx, path),
+            Start::File(path) => editor.open(context, path),
         }
         Ok(editor)
     }
@@ -174,6 +188,11 @@ impl Editor {
     /// The message shown, and whether it is about a failure.
     pub fn message(&self) -> Option<(&str, bool)> {
         self.banner.as_ref().map(|b| (b.text.as_str(), b.failed))
+    }
+
+    /// Takes the message away.
+    pub(crate) fn dismiss_message(&mut self) {
+        self.banner = None;
     }
 
     /// Whether work is under way.
@@ -346,8 +365,9 @@ impl Editor {
     }
 }
 
-impl eframe::App for Editor {
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+impl Editor {
+    /// One frame.
+    pub(crate) fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         self.take_outcome();
         self.take_chosen_file();
@@ -381,6 +401,12 @@ impl eframe::App for Editor {
         if let Some(failure) = self.viewport.take_failure() {
             self.fail(failure.to_string());
         }
+    }
+}
+
+impl eframe::App for Editor {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.frame(ui);
     }
 }
 
