@@ -97,7 +97,8 @@ fn shortest<T>(
     wanted: f64,
     found: impl Fn(usize) -> (f64, T),
 ) -> Result<T, f64> {
-    let (mut below, mut above): (Option<(usize, f64)>, Option<(usize, f64, T)>) = (None, None);
+    let mut below: Option<(usize, f64)> = None;
+    let mut above: Option<(usize, f64, T)> = None;
     let (mut at, mut step) = (guess, 1 + guess / 16);
     let (mut was_near, mut stays) = (None, 0);
     loop {
