@@ -80,7 +80,16 @@ fn edits(criterion: &mut Criterion) {
             let vertex = surface.hierarchy().layout(Level(level)).len() * 5 / 8;
             let delta = [0.004, 0.002, -0.003];
             let kind = Kind::Scaling;
-            let edit = Edit::Move(Move { kind, level, vertex, delta, radius: None, falloff: None, v: 1 });
+            let edit = Edit::Move(Move {
+                kind,
+                level,
+                vertex,
+                delta,
+                radius: None,
+                falloff: None,
+                mirror: None,
+                v: 1,
+            });
             group.bench_function(BenchmarkId::new(format!("of {levels} levels"), level), |bencher| {
                 bencher.iter(|| {
                     let plan = plan(&surface, &edit).expect("it exists");

@@ -167,8 +167,16 @@ fn handle(session: &mut Session, name: &str, reach: Reach) {
 
 /// The steps of handles of level 0: whole, as far as the window lets them go, and previewed on coarser levels.
 fn handles(session: &mut Session) {
-    let raw =
-        Move { kind: Kind::Scaling, level: 0, vertex: 2, delta: [0.0; 3], radius: None, falloff: None, v: 1 };
+    let raw = Move {
+        kind: Kind::Scaling,
+        level: 0,
+        vertex: 2,
+        delta: [0.0; 3],
+        radius: None,
+        falloff: None,
+        mirror: None,
+        v: 1,
+    };
     let pull = Pull {
         level: 0,
         vertex: Some(2),
@@ -179,7 +187,7 @@ fn handles(session: &mut Session) {
         spread: Spread::Smooth,
         follow: false,
         mirror: None,
-        v: 1,
+        v: Pull::LATEST_VERSION,
     };
     for reach in [Reach::Whole, Reach::Affordable].into_iter().chain((1..5).map(Reach::Coarser)) {
         session.begin_stroke(raw).expect("it exists");

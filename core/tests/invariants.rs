@@ -111,7 +111,16 @@ fn edit_for(surface: &Surface, draw: &Draw) -> Edit {
         Kind::Wavelet => layout.len() + (draw.vertex * f64::from(layout.odd_len())) as u32,
     };
     let falloff = draw.radius.map(|_| draw.falloff);
-    Edit::Move(Move { kind, level, vertex, delta: draw.delta, radius: draw.radius, falloff, v: 1 })
+    Edit::Move(Move {
+        kind,
+        level,
+        vertex,
+        delta: draw.delta,
+        radius: draw.radius,
+        falloff,
+        mirror: None,
+        v: 1,
+    })
 }
 
 /// Whatever the surface reports as unmoved has not moved.
@@ -218,6 +227,7 @@ fn deep_edits_are_local_and_exact() {
                     delta: [0.1, -0.2, 0.05],
                     radius,
                     falloff: None,
+                    mirror: None,
                     v: 1,
                 });
                 let planned = plan(&surface, &edit).expect("a valid edit");

@@ -16,7 +16,7 @@ fn entry() -> impl Strategy<Value = Entry> {
     let reach = (prop::option::of(finite()), prop::option::of(prop::sample::select(falloffs.to_vec())));
     let moved = (place, prop::array::uniform3(finite()), reach).prop_map(
         |((kind, level, vertex, v), delta, (radius, falloff))| {
-            Entry::Edit(Edit::Move(Move { kind, level, vertex, delta, radius, falloff, v }))
+            Entry::Edit(Edit::Move(Move { kind, level, vertex, delta, radius, falloff, mirror: None, v }))
         },
     );
     let gain = (any::<u8>(), finite(), 0..4u32)

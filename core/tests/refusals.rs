@@ -38,6 +38,7 @@ fn what_is_refused_changes_nothing() {
         delta: [0.1, 0.0, 0.0],
         radius: None,
         falloff: None,
+        mirror: None,
         v: 1,
     };
     let count = |level| session.surface().scaling(Level(level)).len() as u32;
@@ -58,7 +59,7 @@ fn what_is_refused_changes_nothing() {
         Edit::Move(Move { radius: Some(-1.0), ..wavelet }),
         Edit::Move(Move { radius: Some(f64::NAN), ..plain }),
         Edit::Move(Move { falloff: Some(Falloff::Sharp), ..plain }),
-        Edit::Move(Move { v: 2, ..plain }),
+        Edit::Move(Move { v: 3, ..plain }),
         Edit::Move(Move { v: 0, ..plain }),
         Edit::Gain(Gain { level: 3, factor: 1.0, v: 1 }),
         Edit::Gain(Gain { level: 0, factor: f64::NAN, v: 1 }),

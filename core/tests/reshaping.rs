@@ -271,6 +271,7 @@ fn something(numbers: &mut Numbers, surface: &Surface) -> Edit {
             delta: delta(numbers),
             radius: (numbers.below(2) == 0).then_some(0.3 * size),
             falloff: None,
+            mirror: None,
             v: 1,
         }),
         17..22 => Edit::Pull(Pull {
@@ -283,7 +284,7 @@ fn something(numbers: &mut Numbers, surface: &Surface) -> Edit {
             spread: [Spread::Smooth, Spread::Hat][numbers.below(2) as usize],
             follow: numbers.below(2) == 0,
             mirror,
-            v: 1,
+            v: 1 + numbers.below(Pull::LATEST_VERSION),
         }),
         _ => {
             let tool = Tool::ALL[numbers.below(Tool::ALL.len() as u32) as usize];

@@ -9,7 +9,7 @@ use bozzetto_core::file::encode;
 use bozzetto_core::hierarchy::{Level, Slot};
 use bozzetto_core::mesh::shapes;
 use bozzetto_core::session::{OpenOptions, Session, SessionError, open_model};
-use bozzetto_core::surface::{LIMIT, Surface};
+use bozzetto_core::surface::{LIMIT, Moved, Surface};
 use bozzetto_core::wavelet::Wavelet;
 use memory_disk::{MemoryDisk, session_of};
 use samples::{Numbers, assert_consistent, ball, contents, model, on_threads, stroke, surface};
@@ -113,7 +113,7 @@ fn dabs_report_what_moved_and_places_are_found_as_on_a_fresh_surface() {
                 let Ok(changes) = session.dab(*dab) else { continue };
                 let now = session.surface();
                 let moved = match changes.at(now.finest()) {
-                    bozzetto_core::surface::Moved::Some(runs) => runs.slots().collect::<Vec<_>>(),
+                    Moved::Some(runs) => runs.slots().collect::<Vec<_>>(),
                     _ => Vec::new(),
                 };
                 let finest = now.finest();
@@ -224,6 +224,30 @@ fn live_strokes_replay_to_the_same_bits_on_any_number_of_threads() {
         let (read, _) = open_model(&disk, Path::new("a.boz"), OpenOptions::default()).expect("a sound pair");
         assert_eq!(read.surface.hash(), hash, "{name}");
     }
+}
+
+/// Level, radius and strength that a hand chose are in its line, and each decides what that does.
+#[test]
+fn level_radius_and_strength_decide_what_a_line_does() {
+    let line =
+        r#"{"edit":"stroke","tool":"draw","level":2,"radius":0.4,"strength":0.5,"dabs":[[0.0,0.9,0.3]]}"#;
+    let hash_of = |text: &str| {
+        let mut session = session_of(ball(4));
+        session.edit(serde_json::from_str(text).expect("a line")).expect("in range");
+        session.hash()
+    };
+    let mut hashes = vec![session_of(ball(4)).hash(), hash_of(line)];
+    for (chosen, other) in [
+        ("\"level\":2", "\"level\":3"),
+        ("\"radius\":0.4", "\"radius\":0.3"),
+        ("\"strength\":0.5", "\"strength\":0.4"),
+    ] {
+        assert!(line.contains(chosen));
+        hashes.push(hash_of(&line.replace(chosen, other)));
+    }
+    hashes.sort_by_key(|hash| hash.0);
+    hashes.dedup();
+    assert_eq!(hashes.len(), 5, "all differ");
 }
 
 #[test]

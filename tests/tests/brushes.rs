@@ -11,54 +11,11 @@ use bozzetto_core::hierarchy::Level;
 use bozzetto_core::mesh::shapes;
 use bozzetto_core::session::{OpenOptions, Session, open_model};
 use bozzetto_core::surface::{FormOptions, Surface};
-use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2};
+use eframe::egui::{self, Event, Key, Modifiers, PointerButton};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
-use window::{assert_replays, can_draw, editor, hash, settle};
-
-/// The middle of the picture, where the sample's face is.
-fn middle(harness: &Harness<'_, Editor>) -> Pos2 {
-    harness.state().picture().center()
-}
-
-fn button(pressed: bool, pos: Pos2, button: PointerButton, modifiers: Modifiers) -> Event {
-    Event::PointerButton { pos, button, pressed, modifiers }
-}
-
-/// Drags with the left button and does not let go.
-fn drag(harness: &mut Harness<'_, Editor>, from: Pos2, to: Pos2, modifiers: Modifiers) {
-    harness.event(Event::ModifiersChanged(modifiers));
-    harness.event(Event::PointerMoved(from));
-    harness.run_steps(2);
-    harness.event(Event::ModifiersChanged(modifiers));
-    harness.event(button(true, from, PointerButton::Primary, modifiers));
-    harness.run_steps(1);
-    for step in 1..=4 {
-        harness.event(Event::PointerMoved(from + (to - from) * (step as f32 / 4.0)));
-        harness.run_steps(1);
-    }
-}
-
-fn release(harness: &mut Harness<'_, Editor>, at: Pos2) {
-    harness.event(button(false, at, PointerButton::Primary, Modifiers::NONE));
-    harness.event(Event::ModifiersChanged(Modifiers::NONE));
-    harness.run_steps(1);
-    harness.run();
-}
-
-/// A stroke across the face.
-fn stroke(harness: &mut Harness<'_, Editor>, modifiers: Modifiers) {
-    let from = middle(harness) + egui::vec2(-30.0, -20.0);
-    let to = from + egui::vec2(60.0, 30.0);
-    drag(harness, from, to, modifiers);
-    release(harness, to);
-}
-
-fn take(harness: &mut Harness<'_, Editor>, name: &str) {
-    harness.get_by_label(&format!("{name} tool")).click();
-    harness.run();
-}
+use window::{assert_replays, button, can_draw, drag, editor, hash, middle, release, settle, stroke, take};
 
 fn last(harness: &Harness<'_, Editor>) -> Edit {
     harness.state().document().expect("open").session.history().last().expect("a step")
@@ -402,6 +359,7 @@ fn a_large_drag_shows_a_coarser_level_and_says_so() {
     assert!(preview < finest, "level {preview}");
     assert!(harness.query_by_label_contains(&format!("at level {preview}, {says}")).is_some());
     release(&mut harness, to);
+    settle(&mut harness);
     assert_eq!(harness.state().document().expect("open").preview(), None);
     assert!(harness.query_by_label_contains(says).is_none());
     assert_ne!(hash(&harness), before);

@@ -143,7 +143,16 @@ fn drag_undo_save_reopen(kind: Kind) {
     assert!(stray < 1.0, "after the release the vertex is {stray} px from where the pointer let go");
     let dragged = hash(&harness);
     assert_ne!(dragged, original);
-    let edit = Move { kind, level: 2, vertex: target.vertex.0, delta, radius: None, falloff: None, v: 1 };
+    let edit = Move {
+        kind,
+        level: 2,
+        vertex: target.vertex.0,
+        delta,
+        radius: None,
+        falloff: None,
+        mirror: None,
+        v: 1,
+    };
     assert_eq!(dragged, replayed(&path, edit), "the drag is the line that pixels and camera give");
 
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);

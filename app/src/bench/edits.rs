@@ -110,7 +110,7 @@ pub(super) fn dab(surface: Surface, vertices: usize, strokes: u32) -> Result<Dab
 /// The radius, found by halving, within which at least so many vertices of the finest level lie; and how many do.
 fn radius_around(surface: &Surface, vertex: u32, vertices: usize) -> Result<(f64, usize)> {
     let count = |radius: f64| -> Result<usize> {
-        match Region::of(surface, &scaling(surface.finest(), vertex, Some(radius)))? {
+        match Region::of(surface, &scaling(surface.finest(), vertex, Some(radius)))?.0 {
             Region::Scaling(_, region) => Ok(region.len()),
             Region::Wavelets(_, region) => Ok(region.len()),
             Region::Pulled(_) => unreachable!("a move of scaling coefficients is no pull"),
@@ -125,7 +125,16 @@ fn radius_around(surface: &Surface, vertex: u32, vertices: usize) -> Result<(f64
 }
 
 fn scaling(level: Level, vertex: u32, radius: Option<f64>) -> Move {
-    Move { kind: Kind::Scaling, level: level.0, vertex, delta: DELTA, radius, falloff: None, v: 1 }
+    Move {
+        kind: Kind::Scaling,
+        level: level.0,
+        vertex,
+        delta: DELTA,
+        radius,
+        falloff: None,
+        mirror: None,
+        v: 1,
+    }
 }
 
 fn follow(shown: &mut ShownVertices, surface: &Surface, changes: &Changes) {

@@ -117,6 +117,8 @@ pub enum Command {
     SetSpread(Spread),
     /// Switches whether finer detail follows.
     ToggleFollow,
+    /// Chooses the finest level of detail that erasing takes; none: the last.
+    SetEraseTo(Option<u8>),
     /// Switches whether the radius chooses the level.
     ToggleAutoLevel,
     /// Chooses how far the brush trails behind the cursor.

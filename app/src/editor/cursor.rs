@@ -94,6 +94,18 @@ pub(super) fn ring(
     }
 }
 
+/// Draws the mark of the place that copied detail comes from.
+pub(super) fn cross(painter: &Painter, at: Pos2) {
+    for (width, colour) in [(4.0, Color32::from_black_alpha(110)), (1.8, SMOOTHING)] {
+        let stroke = Stroke::new(width, colour);
+        for arm in [egui::vec2(9.0, 0.0), egui::vec2(0.0, 9.0)] {
+            painter.line_segment([at - arm, at - arm * 0.3], stroke);
+            painter.line_segment([at + arm * 0.3, at + arm], stroke);
+        }
+        painter.circle_stroke(at, 6.0, stroke);
+    }
+}
+
 /// The signs that drawn axes take in the mirror images, the first left out.
 fn mirrored(settings: &Settings, document: &Document) -> Vec<DVec3> {
     let frame = document.vertices().frame();

@@ -23,6 +23,15 @@ pub struct Document {
     spectrum: OnceCell<Vec<f64>>,
 }
 
+/// What is shown of a session that is elsewhere.
+#[derive(Debug)]
+pub struct Shown {
+    vertices: ShownVertices,
+    tree: PickTree,
+    sphere: BoundingSphere,
+    preview: Option<ShownVertices>,
+}
+
 /// A coefficient under the cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
@@ -49,6 +58,18 @@ impl Document {
         let tree = PickTree::new(session.surface().hierarchy(), &vertices);
         let sphere = BoundingSphere::of(vertices.positions());
         Self { session, vertices, tree, sphere, preview: None, spectrum: OnceCell::new() }
+    }
+
+    /// Lets the session go and keeps what is shown of it.
+    pub fn part(self) -> (Session, Shown) {
+        let Self { session, vertices, tree, sphere, preview, spectrum: _ } = self;
+        (session, Shown { vertices, tree, sphere, preview })
+    }
+
+    /// The session back with what is shown of it, which then has to follow what happened meanwhile.
+    pub fn joined(session: Session, shown: Shown) -> Self {
+        let Shown { vertices, tree, sphere, preview } = shown;
+        Self { session, vertices, tree, sphere, preview, spectrum: OnceCell::new() }
     }
 
     /// The surface.
@@ -108,7 +129,7 @@ impl Document {
         Ok(changes)
     }
 
-    /// Shows a coarser level as it is, while finer ones wait for the end.
+    /// Shows another level as it is until the end: a coarser one, while finer ones wait, or the finer one that a brush moves.
     pub fn preview_level(&mut self, level: Level) {
         self.preview = Some(ShownVertices::new(self.session.surface(), level));
     }
@@ -277,7 +298,16 @@ mod tests {
         for kind in [Kind::Scaling, Kind::Wavelet] {
             let mut document = bumpy();
             let vertex = if kind == Kind::Scaling { 5 } else { 25 };
-            let edit = Move { kind, level: 1, vertex, delta: [0.0; 3], radius: None, falloff: None, v: 1 };
+            let edit = Move {
+                kind,
+                level: 1,
+                vertex,
+                delta: [0.0; 3],
+                radius: None,
+                falloff: None,
+                mirror: None,
+                v: 1,
+            };
             document.session.begin_stroke(edit).expect("it exists");
             for (delta, preview) in [
                 ([0.1, 0.0, 0.0], Some(Level(3))),

@@ -12,7 +12,7 @@ use super::worker::{Done, Outcome, Work};
 use crate::opening;
 use crate::render::BoundingSphere;
 use bozzetto_core::disk::{Disk, Vfs};
-use bozzetto_core::edit::{Edit, Kind};
+use bozzetto_core::edit::{Edit, EditError, Kind};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::io::{MeshFormat, write_mesh};
 use bozzetto_core::session::{OpenOptions, Opened, Session};
@@ -22,7 +22,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Surfaces with more vertices do whole-level work away from the window.
-const LONG_WORK: u32 = 100_000;
+const LONG_WORK: usize = 100_000;
+/// Steps of the history that move no more vertices of such a surface are done in the window: some 10 ms.
+const QUICK_STEP: u64 = 1 << 17;
 
 impl Editor {
     /// Carries out a command.
@@ -66,16 +68,18 @@ impl Editor {
             Command::CancelWork => self.cancel_work(),
             Command::DismissBanner => self.banner = None,
             Command::Edit(edit) => self.edit(ctx, edit),
-            Command::Undo => self.step(ctx, "Undoing", Session::undo),
-            Command::Redo => self.step(ctx, "Redoing", Session::redo),
-            Command::GoTo(steps) => self.step(ctx, "Going through the history", move |s| s.go_to(steps)),
+            Command::Undo => self.step(ctx, "Undoing", Session::undo_moves, Session::undo),
+            Command::Redo => self.step(ctx, "Redoing", Session::redo_moves, Session::redo),
+            Command::GoTo(steps) => {
+                self.step(ctx, "Going through the history", |_| None, move |s| s.go_to(steps));
+            }
             Command::BeginStroke { .. }
             | Command::BeginGrab(_)
             | Command::BeginBrush(..)
             | Command::Dab(..)
             | Command::DragTo(_)
             | Command::EndStroke
-            | Command::CancelStroke => self.stroke(command),
+            | Command::CancelStroke => self.stroke(ctx, command),
             Command::SetGain(..) | Command::SetOver(_) | Command::EndEqualiser | Command::CancelEqualiser => {
                 self.equalise(&command)
             }
@@ -85,6 +89,7 @@ impl Editor {
             | Command::ToggleSymmetry(_)
             | Command::SetSpread(_)
             | Command::ToggleFollow
+            | Command::SetEraseTo(_)
             | Command::ToggleAutoLevel
             | Command::SetSteady(_)
             | Command::TogglePressure(_)
@@ -162,50 +167,61 @@ impl Editor {
     // ---- edits ------------------------------------------------------------------------------------------
 
     pub(super) fn edit(&mut self, ctx: &egui::Context, edit: Edit) {
-        self.on_session(ctx, edit.to_string(), move |session| {
+        self.on_session(ctx, edit.to_string(), self.is_large(), move |session| {
             session.edit(edit).map(Some).map_err(|e| e.to_string())
         });
     }
 
+    /// Goes through the history. `moves` tells how many vertices move, where that is known.
     fn step(
         &mut self,
         ctx: &egui::Context,
         title: &str,
+        moves: impl FnOnce(&Session) -> Option<u64>,
         step: impl FnOnce(&mut Session) -> Option<Changes> + Send + 'static,
     ) {
-        self.on_session(ctx, title.to_owned(), move |session| Ok(step(session)));
+        let moves = self.document.as_ref().and_then(|document| moves(&document.session));
+        let away = self.is_large() && moves.is_none_or(|moves| moves > QUICK_STEP);
+        self.on_session(ctx, title.to_owned(), away, move |session| Ok(step(session)));
     }
 
-    /// Does work on the session here, or away from the window if the surface is large.
+    fn is_large(&self) -> bool {
+        let vertices = |d: &Document| d.surface().scaling(d.surface().finest()).len();
+        self.document.as_ref().is_some_and(|document| vertices(document) > LONG_WORK)
+    }
+
+    /// Does work on the session here, or away from the window.
     fn on_session(
         &mut self,
         ctx: &egui::Context,
         title: String,
+        away: bool,
         work: impl FnOnce(&mut Session) -> Result<Option<Changes>, String> + Send + 'static,
     ) {
+        self.let_go();
         let Some(document) = &mut self.document else { return };
-        let surface = document.surface();
-        if surface.hierarchy().layout(surface.finest()).len() <= LONG_WORK {
-            match work(&mut document.session) {
-                Ok(Some(changes)) => self.follow(&changes),
-                Ok(None) => {}
-                Err(sentence) => self.fail(sentence),
-            }
+        if away {
+            self.send_session(ctx, title, move |session| work(session).map(Done::Changed));
             return;
         }
-        self.send_session(ctx, title, move |session| work(session).map(Done::Changed));
+        match work(&mut document.session) {
+            Ok(Some(changes)) => self.follow(&changes),
+            Ok(None) => {}
+            Err(sentence) => self.fail(sentence),
+        }
     }
 
-    /// Moves the session to a worker; it comes back with the outcome.
-    fn send_session(
+    /// Moves the session to a worker; it comes back with the outcome. What is shown of it stays here.
+    pub(super) fn send_session(
         &mut self,
         ctx: &egui::Context,
         title: String,
         work: impl FnOnce(&mut Session) -> Result<Done, String> + Send + 'static,
     ) {
         if let Some(document) = self.document.take() {
-            self.work =
-                Some(Work::on_session(ctx.clone(), title, document.session, move |session, _| work(session)));
+            let (session, shown) = document.part();
+            self.away = Some(shown);
+            self.work = Some(Work::on_session(ctx.clone(), title, session, move |session, _| work(session)));
         }
     }
 
@@ -272,6 +288,7 @@ impl Editor {
     }
 
     fn save_as(&mut self, ctx: &egui::Context, path: PathBuf) {
+        self.let_go();
         let title = format!("Saving {}", shown_name(&path));
         self.send_session(ctx, title, move |session| {
             session.save_as(&path).map_err(|e| e.to_string())?;
@@ -280,6 +297,7 @@ impl Editor {
     }
 
     fn save_copy(&mut self, ctx: &egui::Context, path: PathBuf) {
+        self.let_go();
         let title = format!("Writing {}", shown_name(&path));
         self.send_session(ctx, title, move |session| {
             let path = if opening::is_wavelet_file(&path) { path } else { path.with_added_extension("boz") };
@@ -289,6 +307,7 @@ impl Editor {
     }
 
     fn export(&mut self, ctx: &egui::Context, path: PathBuf, level: u8) {
+        self.let_go();
         let title = format!("Writing {}", shown_name(&path));
         self.send_session(ctx, title, move |session| {
             let format = MeshFormat::from_path(&path).ok_or_else(|| {
@@ -342,28 +361,34 @@ impl Editor {
                 self.back_to_choices();
                 self.fail(sentence);
             }
-            Outcome::Returned(session, done) => {
-                let reshaped = matches!(&done, Ok(Done::Changed(Some(changes))) if changes.reshaped);
-                let finest = session.surface().finest();
-                if reshaped {
-                    self.settings.for_levels(finest);
-                }
-                self.document = Some(Document::new(*session, self.settings.shown));
-                match done {
-                    Ok(Done::Changed(changes)) => {
-                        if changes.is_some() {
-                            self.scenery.replace_surface();
-                        }
-                    }
-                    Ok(Done::Wrote(text)) => {
-                        self.banner = Some(Banner { text, failed: false });
-                    }
-                    Err(sentence) => {
-                        self.scenery.replace_surface();
-                        self.fail(sentence);
-                    }
+            Outcome::Returned(session, done) => self.take_session(*session, done),
+        }
+    }
+
+    /// Takes back a session, and has what is shown of it follow what was done.
+    fn take_session(&mut self, session: Session, done: Result<Done, String>) {
+        let Some(shown) = self.away.take() else { return };
+        let mut document = Document::joined(session, shown);
+        let mut anew = document.end_preview();
+        if done.is_err() {
+            // Whatever went wrong may have changed something.
+            document.show(self.settings.shown);
+            anew = true;
+        }
+        self.document = Some(document);
+        if anew {
+            self.scenery.replace_surface();
+        }
+        match done {
+            Ok(Done::Changed(Some(changes))) => {
+                self.follow(&changes);
+                if changes.beyond_limit {
+                    self.fail(EditError::BeyondLimit.to_string());
                 }
             }
+            Ok(Done::Changed(None)) => {}
+            Ok(Done::Wrote(text)) => self.banner = Some(Banner { text, failed: false }),
+            Err(sentence) => self.fail(sentence),
         }
     }
 

@@ -15,6 +15,7 @@ mod execute;
 mod importing;
 mod labels;
 mod panels;
+mod pens;
 mod preview;
 mod scenery;
 mod settings;
@@ -32,7 +33,7 @@ pub use document::{Document, Target};
 pub use preview::{Facts, Preview, PreviewView};
 pub use settings::{Hand, Navigation, Settings};
 pub use start::{Start, run};
-pub use tools::{PenInput, RecordedPen, TouchPen};
+pub use tools::{PenEvent, PenInput, RecordedPen, TouchPen};
 
 use crate::render::{Camera, GpuError, Samples, Style, Viewport};
 use bozzetto_core::hierarchy::Level;
@@ -62,6 +63,8 @@ const FADING_EDGES: [f64; 2] = [5.0, 16.0];
 /// The program behind the window.
 pub struct Editor {
     document: Option<Document>,
+    /// What is shown of the surface while a worker has it.
+    away: Option<document::Shown>,
     settings: Settings,
     camera: Camera,
     tool: HandleTool,
@@ -107,7 +110,9 @@ impl Editor {
         start: Start,
     ) -> Result<Self, GpuError> {
         let state = cc.wgpu_render_state.as_ref().expect("the window draws with wgpu");
-        Self::over(&cc.egui_ctx, state, samples, chooser, start)
+        let mut editor = Self::over(&cc.egui_ctx, state, samples, chooser, start)?;
+        editor.find_tablet(cc);
+        Ok(editor)
     }
 
     /// An editor in whatever draws egui.
@@ -124,6 +129,7 @@ impl Editor {
         theme::apply(context);
         let mut editor = Self {
             document: None,
+            away: None,
             settings: Settings::default(),
             camera: Camera::default(),
             tool: HandleTool::default(),
@@ -405,6 +411,10 @@ impl Editor {
 }
 
 impl eframe::App for Editor {
+    fn raw_input_hook(&mut self, ctx: &egui::Context, raw_input: &mut egui::RawInput) {
+        self.pen_strokes(ctx, raw_input);
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.frame(ui);
     }

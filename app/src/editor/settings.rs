@@ -72,6 +72,8 @@ pub struct Settings {
     pub spread: Spread,
     /// Finer detail turns with what handles and grabs bend.
     pub follow: bool,
+    /// The finest level of the detail that erasing takes; none: all finer than the edited level.
+    pub erase_to: Option<u8>,
     /// The brush's radius chooses the level.
     pub auto_level: bool,
     /// Where the equaliser acts.
@@ -113,6 +115,7 @@ impl Default for Settings {
             symmetry: [false; 3],
             spread: Spread::Smooth,
             follow: true,
+            erase_to: None,
             auto_level: false,
             over: Over::All,
             steady: 0.0,

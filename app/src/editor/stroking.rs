@@ -4,6 +4,7 @@ use super::Editor;
 use super::command::Command;
 use super::panels::Banner;
 use super::settings::Hand;
+use super::worker::Done;
 use crate::render::BoundingSphere;
 use bozzetto_core::edit::{Dab, Edit, EditError, Falloff, Kind, Move, Pull, Spread, Stroke, Tool};
 use bozzetto_core::hierarchy::Level;
@@ -33,7 +34,7 @@ impl Trace {
 
 impl Editor {
     /// Carries out a command of a tool's stroke.
-    pub(super) fn stroke(&mut self, command: Command) {
+    pub(super) fn stroke(&mut self, ctx: &egui::Context, command: Command) {
         let Some(document) = &mut self.document else { return };
         let middle = document.surface().form().placement.origin;
         let mirror = self.settings.mirror(middle);
@@ -49,8 +50,11 @@ impl Editor {
                 let follow = self.settings.follow;
                 let raw = self.settings.spread == Spread::Hat && !follow && mirror.is_none();
                 if raw || kind == Kind::Wavelet {
-                    let edit = Move { kind, level, vertex: vertex.0, delta: [0.0; 3], radius, falloff, v: 1 };
-                    document.session.begin_stroke(edit).map(|()| Changes::default())
+                    let v = if mirror.is_some() { Move::LATEST_VERSION } else { 1 };
+                    let (vertex, delta) = (vertex.0, [0.0; 3]);
+                    let edit = Move { kind, level, vertex, delta, radius, falloff, mirror, v };
+                    let alone = document.session.begin_stroke(edit);
+                    self.say_without_partner(alone)
                 } else {
                     let edit = Pull { vertex: Some(vertex.0), ..self.pull(level, radius, falloff) };
                     self.begin_pull(edit)
@@ -64,6 +68,11 @@ impl Editor {
                 let edit = Pull { at, ..self.pull(level, Some(radius), None) };
                 self.begin_pull(edit)
             }
+            Command::BeginBrush(Tool::Copy, _) if self.copy_from.is_none() => {
+                let text = "Choose first where the detail comes from: Alt + click on the surface".to_owned();
+                self.banner = Some(Banner { text, failed: false });
+                return;
+            }
             Command::BeginBrush(tool, inverted) => {
                 self.last_stroke = None;
                 let radius = self.settings.brush_radius * document.sphere().radius;
@@ -75,12 +84,20 @@ impl Editor {
                     strength: sign * self.settings.strength,
                     falloff: None,
                     mirror,
-                    to: None,
+                    to: self.settings.erase_to.filter(|_| tool == Tool::Erase),
                     from: self.copy_from.filter(|_| tool == Tool::Copy),
                     dabs: Vec::new(),
                     v: tool.latest_version(),
                 };
-                document.session.begin_brush(words).map(|()| Changes::default())
+                let begun = document.session.begin_brush(words).map(|()| Changes::default());
+                // Levels coarser than what moves wait for the stroke's end: what moves is shown meanwhile.
+                if let Some(level) =
+                    document.session.brush_level().filter(|&level| level > self.settings.shown)
+                {
+                    document.preview_level(level);
+                    self.scenery.replace_surface();
+                }
+                begun
             }
             Command::Dab(place, pressure) => {
                 self.last_stroke = Some(self.last_stroke.map_or(Trace::at(place), |t| t.with(place)));
@@ -96,18 +113,14 @@ impl Editor {
                 let model = document.vertices().frame().turn_back(drawn).to_array();
                 document.drag_to(model)
             }
-            Command::EndStroke => {
-                if document.end_preview() {
-                    self.scenery.replace_surface();
-                }
-                let changes = document.session.end_stroke();
-                let refused = changes.beyond_limit;
-                self.follow(&changes);
-                if refused {
-                    self.fail(EditError::BeyondLimit.to_string());
-                }
+            Command::EndStroke if document.session.ends_slowly() => {
+                // The preview stays until the session is back.
+                self.send_session(ctx, "Finishing the drag on all levels".to_owned(), |session| {
+                    Ok(Done::Changed(Some(session.end_stroke())))
+                });
                 return;
             }
+            Command::EndStroke => return self.let_go(),
             _ => {
                 if document.end_preview() {
                     self.scenery.replace_surface();
@@ -121,6 +134,22 @@ impl Editor {
         }
         if begins {
             self.preview_if_large();
+        }
+    }
+
+    /// Ends the stroke under way, if there is one.
+    pub(super) fn let_go(&mut self) {
+        let Some(document) = self.document.as_mut().filter(|document| document.session.in_stroke()) else {
+            return;
+        };
+        if document.end_preview() {
+            self.scenery.replace_surface();
+        }
+        let changes = document.session.end_stroke();
+        let refused = changes.beyond_limit;
+        self.follow(&changes);
+        if refused {
+            self.fail(EditError::BeyondLimit.to_string());
         }
     }
 
@@ -138,14 +167,19 @@ impl Editor {
             spread: self.settings.spread,
             follow: self.settings.follow && Level(level) < finest,
             mirror,
-            v: 1,
+            v: Pull::LATEST_VERSION,
         }
     }
 
     fn begin_pull(&mut self, edit: Pull) -> Result<Changes, SessionError> {
         let Some(document) = &mut self.document else { return Ok(Changes::default()) };
-        let alone = document.session.begin_pull(edit)?;
-        if alone > 0 {
+        let alone = document.session.begin_pull(edit);
+        self.say_without_partner(alone)
+    }
+
+    /// Nothing has moved yet; but if a coefficient has no mirror image, that is said.
+    fn say_without_partner(&mut self, alone: Result<usize, SessionError>) -> Result<Changes, SessionError> {
+        if alone? > 0 {
             let text =
                 "No vertex of this level lies at the mirror image, so the coefficient moves alone".to_owned();
             self.banner = Some(Banner { text, failed: false });
@@ -176,6 +210,7 @@ impl Editor {
             Command::ToggleSymmetry(axis) => settings.symmetry[axis] = !settings.symmetry[axis],
             Command::SetSpread(spread) => settings.spread = spread,
             Command::ToggleFollow => settings.follow = !settings.follow,
+            Command::SetEraseTo(level) => settings.erase_to = level,
             Command::ToggleAutoLevel => settings.auto_level = !settings.auto_level,
             Command::SetSteady(points) => settings.steady = points,
             Command::TogglePressure(true) => settings.pressure_strength = !settings.pressure_strength,

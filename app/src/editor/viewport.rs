@@ -277,7 +277,8 @@ impl Picture<'_> {
                     }
                     *self.trailing = Some(at(pos));
                     let held = Held { shift: modifiers.shift, ctrl: modifiers.ctrl };
-                    commands.extend(self.brushed(BrushEvent::Press(touch, held)));
+                    let pressure = self.pen.pressure();
+                    commands.extend(self.brushed(BrushEvent::Press(touch, held, pressure)));
                 }
                 Event::PointerButton { button: PointerButton::Primary, pressed: false, .. } => {
                     commands.extend(self.brushed(BrushEvent::Release));
@@ -355,6 +356,7 @@ impl Picture<'_> {
             }),
             _ => self.brush.touch(),
         };
+        self.source(ui, rect);
         let Some(touch) = touch else { return };
         let (shift, ctrl) = ui.input(|i| (i.modifiers.shift, i.modifiers.ctrl));
         let brush = matches!(self.settings.hand, Hand::Brush(_)) && !self.brush.is_choosing();
@@ -365,6 +367,26 @@ impl Picture<'_> {
         };
         let painter = ui.painter().with_clip_rect(rect);
         cursor::ring(&painter, rect, self.camera, (document, self.settings), touch, look);
+    }
+
+    /// Where copied detail comes from: a cross that goes along with the brush.
+    fn source(&self, ui: &Ui, rect: Rect) {
+        let (Some(document), Some(from)) = (self.document, *self.copy_from) else { return };
+        if self.settings.hand != Hand::Brush(Tool::Copy) {
+            return;
+        }
+        let frame = document.vertices().frame();
+        let mut place = frame.place_model(from);
+        let first = document.session.brush_words().and_then(|words| words.dabs.first());
+        if let (Some(first), Some(now)) = (first, self.brush.touch()) {
+            place += now.point - frame.place_model(first.at);
+        }
+        if let Some(at) = self.camera.project(place, points(rect.size())) {
+            cursor::cross(
+                &ui.painter().with_clip_rect(rect),
+                rect.min + egui::vec2(at.x as f32, at.y as f32),
+            );
+        }
     }
 
     /// Distance by the cursor while dragging.

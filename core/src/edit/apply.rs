@@ -1,6 +1,7 @@
 //! Applying a plan, and taking it back: the steps of the undo record.
 
 use super::equalise::differences;
+use super::extent;
 use super::levels::{Before, reshaped};
 use super::{BrushStroke, Dab, Deltas, Edit, EditError, Follow, MaskChange, Packed, Plan, Pulled, Turned};
 use crate::hierarchy::{Level, Odd, Slot};
@@ -13,6 +14,8 @@ pub struct Step {
     title: String,
     /// Undone by subtracting the same integers; of the mask, by the values before.
     packed: Packed,
+    /// How many coefficients of which levels it changes: scaling ones, then wavelets.
+    sizes: (Option<(Level, usize)>, Vec<(Level, usize)>),
     /// For a change of levels: undone first, redone instead of what is packed.
     levels: Option<Before>,
     first_pass: Option<Changes>,
@@ -27,8 +30,8 @@ impl Step {
         if let Plan::Stroke(stroke, dabs) = plan {
             return Self::brush(surface, *stroke, dabs);
         }
-        if let Plan::Follow(level, pulled, delta) = plan {
-            return Self::pull(surface, edit, level, &pulled, delta);
+        if let Plan::Follow(follow, pulled, delta) = plan {
+            return Self::pull(surface, edit, follow, &pulled, delta);
         }
         if let Plan::Levels(reshaped) = plan {
             return Ok(Self::reshape(surface, edit, *reshaped));
@@ -45,7 +48,10 @@ impl Step {
     fn new(edit: &Edit, deltas: &Deltas, mask: &[MaskChange], first_pass: Changes) -> Self {
         let words = serde_json::to_vec(edit).expect("edits are plain data");
         let packed = Packed::new(&words, deltas, mask);
-        Self { title: edit.to_string(), packed, levels: None, first_pass: Some(first_pass) }
+        let scaling = deltas.scaling.as_ref().map(|(level, of_level)| (*level, of_level.len()));
+        let wavelets = deltas.wavelets.iter().map(|(level, of_level)| (*level, of_level.len())).collect();
+        let sizes = (scaling, wavelets);
+        Self { title: edit.to_string(), packed, sizes, levels: None, first_pass: Some(first_pass) }
     }
 
     fn reshape(surface: &mut Surface, edit: Edit, reshaped: Surface) -> (Self, Changes) {
@@ -83,12 +89,12 @@ impl Step {
     fn pull(
         surface: &mut Surface,
         edit: Edit,
-        level: Level,
+        mut follow: Follow,
         pulled: &Pulled,
         delta: Vector,
     ) -> Result<(Self, Changes), EditError> {
-        let trial = trial_of(surface, pulled);
-        let follow = Follow::new(surface, level, &trial);
+        let finest = surface.finest();
+        follow.note(surface, pulled, finest);
         let scaling = pulled.moved_by(delta);
         let mut changes = surface.add_scaling(pulled.level, &scaling);
         let mut wavelets = Vec::new();
@@ -149,6 +155,21 @@ impl Step {
         Ok(serde_json::from_slice(&self.packed.words()?)?)
     }
 
+    /// About how many finest vertices move when it is undone or redone; no more than there are.
+    pub fn moves(&self, surface: &Surface) -> u64 {
+        let finest = surface.finest();
+        let all = surface.scaling(finest).len() as u64;
+        if self.levels.is_some() {
+            return all;
+        }
+        let (scaling, wavelets) = &self.sizes;
+        let hats =
+            scaling.iter().map(|&(level, count)| extent::of_hats(surface, level, count as u64, finest));
+        let details =
+            wavelets.iter().map(|&(level, count)| extent::of_wavelets(surface, level, count as u64, finest));
+        hats.chain(details).fold(0, u64::saturating_add).min(all)
+    }
+
     /// Whether it changed the levels there are.
     pub fn reshapes(&self) -> bool {
         self.levels.is_some()
@@ -192,12 +213,12 @@ fn reshaped_changes(surface: &Surface) -> Changes {
     Changes { reshaped: true, hidden: true, masked: Moved::Everything, ..Changes::all(surface) }
 }
 
-/// What a pull may move: the changes of a trial, taken back again.
-pub fn trial_of(surface: &mut Surface, pulled: &Pulled) -> Changes {
+/// What a pull may move up to a level: the changes of a trial, taken back again.
+pub(super) fn trial_of(surface: &mut Surface, pulled: &Pulled, reach: Level) -> Changes {
     let mut there = pulled.moved_by([TRIAL; 3]);
-    let changes = surface.add_scaling(pulled.level, &there);
+    let changes = surface.add_scaling_up_to(pulled.level, &there, reach);
     there.iter_mut().for_each(|(_, delta)| *delta = delta.map(i32::wrapping_neg));
-    surface.add_scaling(pulled.level, &there);
+    surface.add_scaling_up_to(pulled.level, &there, reach);
     changes
 }
 

@@ -167,7 +167,7 @@ impl BrushStroke {
     // ---- brushes that move vertices -----------------------------------------------------------------------
 
     /// The level whose vertices move: copied detail is finer than the level, so it goes to the finest.
-    fn moving_level(&self, surface: &Surface) -> Level {
+    pub fn moving_level(&self, surface: &Surface) -> Level {
         if self.words.tool == Tool::Copy { surface.finest() } else { self.level }
     }
 

@@ -229,11 +229,11 @@ impl Equaliser {
                 return Err(error);
             }
         };
-        surface.resum();
         let wavelets = differences(
             self.before.iter().enumerate().map(|(j, before)| (Level(j as u8), before.as_slice())),
             |level| surface.wavelets(level),
         );
+        surface.resum(&wavelets);
         let deltas = Deltas { wavelets, ..Deltas::default() };
         let mut words = self.words;
         while words.gains.last() == Some(&1.0) {

@@ -2,14 +2,14 @@
 
 use super::brush_stroke::BrushStroke;
 use super::equalise::plan_equalise;
+use super::follow::Follow;
 use super::hide::plan_hide;
 use super::levels::reshaped;
+use super::moved_region::Region;
 use super::pull::{Pull, Pulled};
-use super::region::{neighbourhood_of_odd, neighbourhood_of_slot};
 use super::stroke::Dab;
 use super::vocabulary::{Edit, Gain, Kind, Move};
-use super::weighted::weighted_steps;
-use crate::hierarchy::{Level, Odd, PublicId, Slot};
+use crate::hierarchy::{Level, Odd, Slot};
 use crate::surface::{LIMIT, NotReshaped, Surface, Vector};
 use thiserror::Error;
 
@@ -52,6 +52,9 @@ pub enum EditError {
         /// The radius asked for.
         radius: f64,
     },
+    /// A mirrored move of the version that knows no mirrors.
+    #[error("a \"mirror\" needs version 2 of the move: add \"v\":2")]
+    MirrorVersion,
     /// A falloff without a radius.
     #[error("a falloff needs a radius")]
     FalloffWithoutRadius,
@@ -103,7 +106,7 @@ pub enum Plan {
     /// Vertices of the finest level that are hidden, or shown again.
     Hidden(Vec<Slot>),
     /// Additions to `c^j`, after which the detail of a level and finer ones turns with the surface.
-    Follow(Level, Pulled, Vector),
+    Follow(Follow, Pulled, Vector),
     /// Dab after dab, each planned from what those before have left.
     Stroke(Box<BrushStroke>, Vec<Dab>),
 }
@@ -113,8 +116,8 @@ pub enum Plan {
 /// # Errors
 /// Every reason to refuse but [`EditError::BeyondLimit`] for moves, which only applying can find.
 pub fn plan(surface: &Surface, edit: &Edit) -> Result<Plan, EditError> {
-    // Strokes know the versions of their tools.
-    if edit.version() != 1 && !matches!(edit, Edit::Stroke(_)) {
+    // Some know their versions themselves.
+    if edit.version() != 1 && !matches!(edit, Edit::Stroke(_) | Edit::Pull(_) | Edit::Move(_)) {
         return Err(EditError::UnknownVersion { version: edit.version() });
     }
     match edit {
@@ -131,91 +134,16 @@ pub fn plan(surface: &Surface, edit: &Edit) -> Result<Plan, EditError> {
 }
 
 fn plan_move(surface: &Surface, edit: &Move) -> Result<Plan, EditError> {
-    let region = Region::of(surface, edit)?;
+    let (region, _) = Region::of(surface, edit)?;
     let delta = surface.form().placement.vector_to_steps(edit.delta).ok_or(EditError::Delta)?;
     Ok(region.moved_by(delta))
-}
-
-/// The coefficients a move reaches, with their weights from 1 down to 0. Found once, at the start of a stroke.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Region {
-    /// Scaling coefficients of a level, sorted by slot.
-    Scaling(Level, Vec<(Slot, f64)>),
-    /// Wavelet coefficients of a level.
-    Wavelets(Level, Vec<(Odd, f64)>),
-    /// Scaling coefficients, with a share of each component.
-    Pulled(Pulled),
-}
-
-impl Region {
-    /// The region of a move, whatever its delta. Cost: the neighbourhood.
-    ///
-    /// # Errors
-    /// Unknown level or vertex, or a radius or falloff that makes no sense.
-    pub fn of(surface: &Surface, edit: &Move) -> Result<Self, EditError> {
-        let level = existing_level(surface, edit.kind, edit.level)?;
-        let layout = surface.hierarchy().layout(level);
-        let (first, count) = match edit.kind {
-            Kind::Scaling => (0, layout.len()),
-            Kind::Wavelet => (layout.len(), layout.odd_len()),
-        };
-        let (vertex, last) = (edit.vertex, first + count - 1);
-        if !(first..=last).contains(&vertex) {
-            return Err(EditError::UnknownVertex { kind: edit.kind, vertex, level: edit.level, first, last });
-        }
-        let falloff = edit.falloff.unwrap_or_default();
-        let radius = match edit.radius {
-            None if edit.falloff.is_some() => return Err(EditError::FalloffWithoutRadius),
-            Some(radius) if !(radius.is_finite() && radius > 0.0) => {
-                return Err(EditError::Radius { radius });
-            }
-            radius => radius.map(|r| r / surface.form().placement.step),
-        };
-        Ok(match edit.kind {
-            Kind::Scaling => {
-                let slot = layout.slot(layout.site_of(PublicId(vertex)));
-                let mut region = match radius {
-                    None => vec![(slot, 0.0)],
-                    Some(radius) => neighbourhood_of_slot(surface, level, slot, radius),
-                };
-                // In the order of storage, which following a hand goes through again and again.
-                region.sort_unstable_by_key(|&(slot, _)| slot);
-                Region::Scaling(level, region.into_iter().map(|(s, t)| (s, falloff.weight(t))).collect())
-            }
-            Kind::Wavelet => {
-                let odd = Odd(vertex - first);
-                let region = match radius {
-                    None => vec![(odd, 0.0)],
-                    Some(radius) => neighbourhood_of_odd(surface, level, odd, radius),
-                };
-                Region::Wavelets(level, region.into_iter().map(|(o, t)| (o, falloff.weight(t))).collect())
-            }
-        })
-    }
-
-    /// The integers that a delta, in steps, adds: each weight times the delta, rounded once.
-    pub fn moved_by(&self, delta: Vector) -> Plan {
-        match self {
-            Region::Scaling(level, region) => Plan::Scaling(*level, added(region, [[0; 3], delta])),
-            Region::Wavelets(level, region) => Plan::Wavelets(*level, added(region, [[0; 3], delta])),
-            Region::Pulled(pulled) => Plan::Scaling(pulled.level, pulled.moved_by(delta)),
-        }
-    }
-}
-
-/// What is missing from the integers that one delta adds to those that another adds.
-pub(crate) fn added<T: Copy>(region: &[(T, f64)], deltas: [Vector; 2]) -> Vec<(T, Vector)> {
-    let weights: Vec<[f64; 3]> = region.iter().map(|&(_, weight)| [weight; 3]).collect();
-    let mut steps = Vec::new();
-    weighted_steps(&weights, deltas, &mut steps);
-    region.iter().zip(steps).map(|(&(at, _), step)| (at, step)).collect()
 }
 
 fn plan_pull(surface: &Surface, edit: &Pull) -> Result<Plan, EditError> {
     let pulled = Pulled::of(surface, edit)?;
     let delta = surface.form().placement.vector_to_steps(edit.delta).ok_or(EditError::Delta)?;
     Ok(if edit.follow {
-        Plan::Follow(Level(edit.level), pulled, delta)
+        Plan::Follow(Follow::new(Level(edit.level), edit.v), pulled, delta)
     } else {
         Plan::Scaling(pulled.level, pulled.moved_by(delta))
     })

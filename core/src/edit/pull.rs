@@ -60,6 +60,11 @@ pub struct Pull {
     pub v: u32,
 }
 
+impl Pull {
+    /// The newest version of what it does; older ones replay as they did.
+    pub const LATEST_VERSION: u32 = 2;
+}
+
 fn is_smooth(spread: &Spread) -> bool {
     *spread == Spread::Smooth
 }
@@ -103,7 +108,7 @@ impl Pulled {
     /// # Errors
     /// Unknown level, vertex or version, or numbers that mean nothing.
     pub fn of(surface: &Surface, pull: &Pull) -> Result<Self, EditError> {
-        if pull.v != 1 {
+        if !(1..=Pull::LATEST_VERSION).contains(&pull.v) {
             return Err(EditError::UnknownVersion { version: pull.v });
         }
         let level = existing_level(surface, Kind::Scaling, pull.level)?;
@@ -144,7 +149,7 @@ impl Pulled {
             let address = surface.nearest(to_steps(point)).address;
             let raw = pull.spread == Spread::Hat && pull.radius.is_none() && pull.vertex.is_some();
             let weights = if raw {
-                partner(surface, level, point, address).map(|slot| vec![(slot, 1.0)])
+                partner(surface, level, point, address, |_| true).map(|slot| vec![(slot, 1.0)])
             } else {
                 Some(place_weights(surface, level, pull, address))
             };
@@ -198,8 +203,15 @@ fn place_weights(surface: &Surface, level: Level, pull: &Pull, address: Address)
     region.into_iter().map(|t| (t.slot, t.weight)).collect()
 }
 
-/// The vertex of a level that is the mirror image of another: the nearest to the image, within half a spacing.
-fn partner(surface: &Surface, level: Level, image: [f64; 3], address: Address) -> Option<Slot> {
+/// The vertex of a level that is the mirror image of another: of those that belong, the corner of the triangle there that is nearest
+/// to the image, within half a spacing.
+pub(super) fn partner(
+    surface: &Surface,
+    level: Level,
+    image: [f64; 3],
+    address: Address,
+    belongs: impl Fn(Site) -> bool,
+) -> Option<Slot> {
     let hierarchy = surface.hierarchy();
     let layout = hierarchy.layout(level);
     let at = |site: Site| {
@@ -210,14 +222,16 @@ fn partner(surface: &Surface, level: Level, image: [f64; 3], address: Address) -
     let corners = address.corners(layout).map(|(site, _)| site);
     let sides = [(0, 1), (1, 2), (2, 0)].map(|(a, b)| squared(at(corners[a]), at(corners[b])).sqrt());
     let spacing = (sides[0] + sides[1] + sides[2]) / 3.0;
-    let nearest =
-        corners.into_iter().min_by(|&a, &b| squared(at(a), image).total_cmp(&squared(at(b), image)))?;
+    let nearest = corners
+        .into_iter()
+        .filter(|&site| belongs(site))
+        .min_by(|&a, &b| squared(at(a), image).total_cmp(&squared(at(b), image)))?;
     (squared(at(nearest), image).sqrt() <= 0.5 * spacing).then(|| layout.slot(nearest))
 }
 
 /// The images' weights together: where several reach a vertex, it takes their mean, as far as the one that reaches it
 /// most.
-fn joined(images: Vec<Image>) -> Vec<(Slot, Weights)> {
+pub(super) fn joined(images: Vec<Image>) -> Vec<(Slot, Weights)> {
     let mut all: Vec<(Slot, f64, [f64; 3])> = images
         .into_iter()
         .flat_map(|(weights, signs)| weights.into_iter().map(move |(slot, w)| (slot, w, signs)))

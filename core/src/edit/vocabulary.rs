@@ -7,7 +7,7 @@ use super::equalise::Equalise;
 use super::hide::Hide;
 use super::levels::Levels;
 use super::pull::Pull;
-use super::stroke::Stroke;
+use super::stroke::{Mirror, Stroke};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -79,6 +79,9 @@ pub struct Move {
     /// How the move fades towards the radius.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub falloff: Option<Falloff>,
+    /// Planes that mirror it, from version 2 on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mirror: Option<Mirror>,
     /// Version of the operation.
     #[serde(default = "first", skip_serializing_if = "is_first")]
     pub v: u32,
@@ -130,6 +133,11 @@ impl Edit {
             Edit::Hide(edit) => edit.v,
         }
     }
+}
+
+impl Move {
+    /// The newest version of what it does; older ones replay as they did.
+    pub const LATEST_VERSION: u32 = 2;
 }
 
 impl fmt::Display for Edit {

@@ -2,6 +2,7 @@
 
 use super::{Session, SessionError};
 use crate::edit::{BrushStroke, Dab, Stroke};
+use crate::hierarchy::Level;
 use crate::surface::Changes;
 
 impl Session {
@@ -32,6 +33,11 @@ impl Session {
         let dab = dab.shortened(brush.words().radius);
         changes.join(brush.dab(&mut self.model.surface, dab)?);
         Ok(changes)
+    }
+
+    /// The level whose vertices the brush stroke under way moves.
+    pub fn brush_level(&self) -> Option<Level> {
+        self.brush.as_ref().map(|brush| brush.moving_level(&self.model.surface))
     }
 
     /// The words and dabs of the brush stroke under way.

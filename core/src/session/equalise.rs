@@ -5,7 +5,19 @@ use crate::edit::{Equalise, Equaliser, Over};
 use crate::hierarchy::Level;
 use crate::surface::Changes;
 
+/// Vertices that a step of the equaliser may synthesise anew: some 10 ms on one core, with their normals.
+const MOST_SYNTHESISED: u32 = 1 << 18;
+
 impl Session {
+    /// The finest level that can follow the gain of a level as fast as the hand: a step synthesises whole levels, no more
+    /// than 2^18 vertices; but always the level on which the gain's wavelets are seen. The same on every machine.
+    pub fn affordable_gains(&self, level: Level) -> Level {
+        let (hierarchy, finest) = (self.model.surface.hierarchy(), self.model.surface.finest());
+        let fits = |&j: &Level| hierarchy.layout(j).len() <= MOST_SYNTHESISED;
+        let affordable = (0..=finest.0).rev().map(Level).find(fits).unwrap_or(Level::BASE);
+        affordable.max(level.finer()).min(finest)
+    }
+
     /// Begins to equalise, every gain at 1. Ends a stroke that is under way.
     ///
     /// # Errors

@@ -184,6 +184,21 @@ impl Session {
         Some(changes)
     }
 
+    /// About how many vertices of the finest level the next undo moves; none if there is nothing to undo. For choosing whether
+    /// a window can wait for it.
+    pub fn undo_moves(&self) -> Option<u64> {
+        self.moves_of(self.record.head().checked_sub(1)?)
+    }
+
+    /// [`Session::undo_moves`] of the next redo.
+    pub fn redo_moves(&self) -> Option<u64> {
+        self.moves_of(self.record.head())
+    }
+
+    fn moves_of(&self, at: usize) -> Option<u64> {
+        self.record.entries().nth(at).map(|entry| entry.as_ref().moves(&self.model.surface))
+    }
+
     /// Undoes or redoes until so many steps are in effect.
     pub fn go_to(&mut self, steps: usize) -> Option<Changes> {
         let mut joined: Option<Changes> = None;

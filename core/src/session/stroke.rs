@@ -4,7 +4,7 @@ mod cost;
 
 use super::{Session, SessionError};
 use crate::edit::{
-    Edit, EditError, Follow, Kind, Move, Pull, Pulled, Region, Step, Turned, added, trial_of, weighted_steps,
+    Edit, EditError, Follow, Kind, Move, Pull, Pulled, Region, Step, Turned, added, weighted_steps,
 };
 use crate::hierarchy::{Level, Slot};
 use crate::surface::{Changes, Runs, Surface, Vector};
@@ -47,31 +47,31 @@ pub(super) struct Stroke {
     reach: Level,
     /// The coarsest level of the vertices that it moves.
     home: Level,
+    /// Mirror images of a single coefficient that have no vertex near enough.
+    without_partner: usize,
 }
 
 impl Stroke {
-    fn begin(surface: &mut Surface, dragged: Dragged) -> Result<Self, EditError> {
-        let (region, follow, home) = match dragged {
+    fn begin(surface: &Surface, dragged: Dragged) -> Result<Self, EditError> {
+        let (region, follow, home, without_partner) = match dragged {
             Dragged::Move(edit) => {
-                if edit.v != 1 {
-                    return Err(EditError::UnknownVersion { version: edit.v });
-                }
                 let home = match edit.kind {
                     Kind::Scaling => Level(edit.level),
                     Kind::Wavelet => Level(edit.level).finer(),
                 };
-                (Region::of(surface, &edit)?, None, home)
+                let (region, alone) = Region::of(surface, &edit)?;
+                (region, None, home, alone)
             }
             Dragged::Pull(edit) => {
                 let pulled = Pulled::of(surface, &edit)?;
-                let trial = edit.follow.then(|| trial_of(surface, &pulled));
-                let follow = trial.map(|trial| Follow::new(surface, Level(edit.level), &trial));
+                let follow = edit.follow.then(|| Follow::new(Level(edit.level), edit.v));
                 let home = pulled.level;
-                (Region::Pulled(pulled), follow, home)
+                let alone = pulled.without_partner;
+                (Region::Pulled(pulled), follow, home, alone)
             }
         };
         let weighted: Vec<(Slot, [f64; 3])> = match &region {
-            Region::Scaling(_, region) => region.iter().map(|&(slot, weight)| (slot, [weight; 3])).collect(),
+            Region::Scaling(_, region) => region.clone(),
             Region::Pulled(pulled) => pulled.weights.clone(),
             Region::Wavelets(..) => Vec::new(),
         };
@@ -79,11 +79,32 @@ impl Stroke {
         let weights = weighted.into_iter().map(|(_, weights)| weights).collect();
         let reach = surface.finest();
         let (steps, turned, delta) = Default::default();
-        Ok(Self { dragged, region, runs, weights, steps, follow, turned, coarser: false, delta, reach, home })
+        let coarser = false;
+        Ok(Self {
+            dragged,
+            region,
+            runs,
+            weights,
+            steps,
+            follow,
+            turned,
+            coarser,
+            delta,
+            reach,
+            home,
+            without_partner,
+        })
     }
 
     /// Moves the surface from where the stroke has it to `delta`; unchanged if that is refused.
     fn follow(&mut self, surface: &mut Surface, delta: Vector) -> Result<Changes, EditError> {
+        if self.delta == [0; 3]
+            && delta != [0; 3]
+            && let (Some(follow), Region::Pulled(pulled)) = (&mut self.follow, &self.region)
+        {
+            // Where the surface is as before, what will follow is noted.
+            follow.note(surface, pulled, self.reach);
+        }
         let mut changes = self.turn_back(surface);
         let before = self.delta;
         changes.join(self.add(surface, before, delta));
@@ -170,11 +191,12 @@ impl Stroke {
 }
 
 impl Session {
-    /// Begins a stroke: the edit without its delta. Ends one that is under way.
+    /// Begins a stroke: the edit without its delta. Ends one that is under way. Returns how many mirror images have no vertex
+    /// near enough.
     ///
     /// # Errors
     /// Unknown level or vertex, or a radius that makes no sense.
-    pub fn begin_stroke(&mut self, edit: Move) -> Result<(), SessionError> {
+    pub fn begin_stroke(&mut self, edit: Move) -> Result<usize, SessionError> {
         self.begin(Dragged::Move(edit))
     }
 
@@ -184,17 +206,15 @@ impl Session {
     /// # Errors
     /// Unknown level or vertex, or numbers that make no sense.
     pub fn begin_pull(&mut self, edit: Pull) -> Result<usize, SessionError> {
-        self.begin(Dragged::Pull(edit))?;
-        Ok(match self.stroke.as_ref().map(|stroke| &stroke.region) {
-            Some(Region::Pulled(pulled)) => pulled.without_partner,
-            _ => 0,
-        })
+        self.begin(Dragged::Pull(edit))
     }
 
-    fn begin(&mut self, dragged: Dragged) -> Result<(), SessionError> {
+    fn begin(&mut self, dragged: Dragged) -> Result<usize, SessionError> {
         self.end_stroke();
-        self.stroke = Some(Stroke::begin(&mut self.model.surface, dragged)?);
-        Ok(())
+        let stroke = Stroke::begin(&self.model.surface, dragged)?;
+        let alone = stroke.without_partner;
+        self.stroke = Some(stroke);
+        Ok(alone)
     }
 
     /// Whether a stroke is under way.
@@ -239,6 +259,12 @@ impl Session {
     /// same stroke on the same hierarchy has the same answer everywhere. For [`Session::preview_stroke`].
     pub fn affordable_reach(&self) -> Option<Level> {
         self.stroke.as_ref().map(|stroke| stroke.affordable(&self.model.surface))
+    }
+
+    /// Whether ending the stroke under way takes longer than a tenth of a second, because levels that waited are many vertices:
+    /// more than 2^20, or 2^16 where detail follows too.
+    pub fn ends_slowly(&self) -> bool {
+        self.stroke.as_ref().is_some_and(|stroke| stroke.ends_slowly(&self.model.surface))
     }
 
     /// Lets only the levels up to `reach` follow the hand until the stroke ends, for surfaces too large to follow whole.

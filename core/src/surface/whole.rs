@@ -1,8 +1,9 @@
 //! Changes of so much detail that whole levels are synthesised anew, and how much detail there is.
 
+use super::digest::CoefficientSum;
 use super::{Changes, Moved, Surface, Vector};
 use crate::hierarchy::{Level, Odd};
-use crate::wavelet::lifting::plus;
+use crate::wavelet::lifting::{minus, plus};
 use crate::wavelet::rows::synthesise_level;
 use rayon::prelude::*;
 
@@ -72,9 +73,21 @@ impl Surface {
         changes
     }
 
-    /// Brings the hash up to date with coefficients that were put in place. `O(n_J)`.
-    pub(crate) fn resum(&mut self) {
-        self.sum = self.full_sum();
+    /// Brings the hash up to date with details that were put in place, by what that added to those before. Cost: the deltas.
+    pub(crate) fn resum(&mut self, added: &[(Level, Vec<(Odd, Vector)>)]) {
+        for (level, of_level) in added {
+            let of_part = |part: &[(Odd, Vector)]| {
+                let mut sum = CoefficientSum::default();
+                for &(odd, delta) in part {
+                    let now = self.wavelets[level.index()][odd.index()];
+                    sum.replace(self.wavelet_id(*level, odd), minus(now, delta), now);
+                }
+                sum
+            };
+            let sum =
+                of_level.par_chunks(4096).map(of_part).reduce(CoefficientSum::default, CoefficientSum::plus);
+            self.sum = self.sum.plus(sum);
+        }
     }
 
     /// The energy of every level's wavelets: the sum of squared lengths of `2^−j d^j`, in squared model units, the L2

@@ -135,7 +135,7 @@ pub(crate) fn draw_move(numbers: &mut Numbers, surface: &Surface) -> Move {
     let falloffs = [Falloff::Smooth, Falloff::Linear, Falloff::Sharp, Falloff::Constant];
     let falloff = radius.and_then(|_| falloffs.get(numbers.below(5) as usize).copied());
     let delta = std::array::from_fn(|_| 0.5 * numbers.signed());
-    Move { kind, level, vertex, delta, radius, falloff, v: 1 }
+    Move { kind, level, vertex, delta, radius, falloff, mirror: None, v: 1 }
 }
 
 /// Runs the same work on so many threads.

@@ -17,7 +17,15 @@ pub(crate) fn dialogs(ctx: &egui::Context, seen: &Seen<'_>) -> Vec<Command> {
         return commands;
     }
     let Some(dialog) = seen.dialog else { return commands };
-    let shown = egui::Modal::new(egui::Id::unique("dialog")).show(ctx, |ui| {
+    // Each has its own size, which the next one must not inherit.
+    let name = match dialog {
+        Dialog::Path { task, .. } => task.words().0,
+        Dialog::Import(_) => "import",
+        Dialog::Losing(_) => "losing",
+        Dialog::Closing => "closing",
+        Dialog::Keys => "keys",
+    };
+    let shown = egui::Modal::new(egui::Id::unique(name)).show(ctx, |ui| {
         ui.set_width(if matches!(dialog, Dialog::Keys) { 380.0 } else { 460.0 });
         match dialog {
             Dialog::Path { task, path } => path_dialog(ui, *task, path, seen, &mut commands),
@@ -180,12 +188,15 @@ const KEYS: [(&str, &str); 24] = [
 fn keys(ui: &mut egui::Ui, commands: &mut Vec<Command>) {
     ui.heading("Keys and mouse");
     ui.add_space(6.0);
-    egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
-        for (key, does) in KEYS {
-            ui.strong(key);
-            ui.label(does);
-            ui.end_row();
-        }
+    let room = ui.ctx().content_rect().height() - 150.0;
+    egui::ScrollArea::vertical().max_height(room).show(ui, |ui| {
+        egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
+            for (key, does) in KEYS {
+                ui.strong(key);
+                ui.label(does);
+                ui.end_row();
+            }
+        });
     });
     ui.add_space(8.0);
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

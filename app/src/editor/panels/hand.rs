@@ -4,11 +4,15 @@ use super::inspector::tighten;
 use crate::editor::command::Command;
 use crate::editor::settings::{Hand, Navigation, Settings};
 use bozzetto_core::edit::{Edit, Hide, Part, Spread, Tool};
-use bozzetto_core::surface::Mask;
+use bozzetto_core::hierarchy::Level;
+use bozzetto_core::surface::Surface;
 
 /// Draws the choices of the tool in the hand.
-pub(super) fn hand(ui: &mut egui::Ui, settings: &Settings, mask: &Mask, commands: &mut Vec<Command>) {
-    let masked = !mask.values().is_empty();
+pub(super) fn hand(ui: &mut egui::Ui, settings: &Settings, surface: &Surface, commands: &mut Vec<Command>) {
+    let (mask, finest) = (surface.mask(), surface.finest());
+    let masked = mask.values().iter().any(|&value| value != 0);
+    // Room for the longest of the names behind the sliders.
+    ui.spacing_mut().slider_width = 118.0;
     if settings.hand != Hand::Handle {
         let mut radius = settings.brush_radius;
         let slider = egui::Slider::new(&mut radius, 0.005..=1.0)
@@ -67,6 +71,9 @@ pub(super) fn hand(ui: &mut egui::Ui, settings: &Settings, mask: &Mask, commands
         let tip = "Finer detail turns with the surface when a form bends";
         toggle(ui, settings.follow, "detail follows", tip, Command::ToggleFollow, commands);
     }
+    if settings.hand == Hand::Brush(Tool::Erase) {
+        erased_levels(ui, settings, finest, commands);
+    }
     if settings.hand != Hand::Handle {
         let tip = "The radius chooses the edited level";
         toggle(ui, settings.auto_level, "auto level", tip, Command::ToggleAutoLevel, commands);
@@ -113,7 +120,7 @@ pub(super) fn hand(ui: &mut egui::Ui, settings: &Settings, mask: &Mask, commands
             }
         });
     }
-    if !mask.hidden().is_empty() {
+    if mask.hides_something() {
         ui.horizontal(|ui| {
             tighten(ui);
             for (part, name, tip) in [
@@ -139,6 +146,21 @@ pub(super) fn hand(ui: &mut egui::Ui, settings: &Settings, mask: &Mask, commands
             if ui.selectable_label(settings.navigation == navigation, name).on_hover_text(tip).clicked() {
                 commands.push(Command::SetNavigation(navigation));
             }
+        }
+    });
+}
+
+/// Which levels' detail is erased: from the edited one to another.
+fn erased_levels(ui: &mut egui::Ui, settings: &Settings, finest: Level, commands: &mut Vec<Command>) {
+    let Some(last) = finest.0.checked_sub(1) else { return };
+    let from = settings.level.0.min(last);
+    let mut to = settings.erase_to.map_or(last, |to| to.clamp(from, last));
+    ui.add_enabled_ui(from < last, |ui| {
+        ui.spacing_mut().slider_width = 80.0;
+        let tip = format!("Detail of levels {from} to {to} is erased, finer detail stays");
+        let slider = egui::Slider::new(&mut to, from..=last.max(from + 1)).text("erase to level");
+        if ui.add(slider).on_hover_text(tip).changed() {
+            commands.push(Command::SetEraseTo((to < last).then_some(to)));
         }
     });
 }

@@ -23,7 +23,7 @@ pub(crate) fn inspector(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
     ui.add_enabled_ui(seen.work.is_none(), |ui| {
         ui.add_space(4.0);
         section(ui, seen.settings.hand.name(), |ui| {
-            hand(ui, seen.settings, document.surface().mask(), &mut commands);
+            hand(ui, seen.settings, document.surface(), &mut commands);
         });
         section(ui, "Level", |ui| levels(ui, document, seen.settings, &mut commands));
         section(ui, "Coefficient", |ui| coefficient(ui, document, seen.settings, &mut commands));

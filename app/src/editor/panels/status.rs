@@ -22,6 +22,9 @@ pub(crate) fn status(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
             if let Some(document) = seen.document.filter(|_| seen.preview.is_none()) {
                 let hierarchy = document.surface().hierarchy();
                 let (shown, until) = match document.preview() {
+                    Some(level) if document.session.equaliser().is_some() => {
+                        (level, ", shown until the gains are applied")
+                    }
                     Some(level) => (level, ", shown until you let go"),
                     None => (seen.settings.shown, ""),
                 };

@@ -38,8 +38,8 @@ pub(crate) enum Choice {
 pub(crate) enum BrushEvent {
     /// The cursor is over a place, or over none.
     Hover(Option<Touch>),
-    /// The button went down on a place; with which modifiers.
-    Press(Touch, Held),
+    /// The button went down on a place; with which modifiers, and a pen's pressure if there is one.
+    Press(Touch, Held, Option<f64>),
     /// The brush went on to a place, with a pen's pressure if there is one.
     Move(Touch, Option<f64>),
     /// The button went up.
@@ -139,11 +139,11 @@ impl BrushTool {
                 *self = BrushTool::Choosing { choice, from, before, at: self.touch() };
                 Vec::new()
             }
-            (_, BrushEvent::Press(touch, held)) => {
+            (_, BrushEvent::Press(touch, held, pressure)) => {
                 let Hand::Brush(tool) = settings.hand else { return Vec::new() };
                 let tool = if held.shift { Tool::Smooth } else { tool };
                 *self = BrushTool::Stroking { last: touch, tool };
-                vec![Command::BeginBrush(tool, held.ctrl), Command::Dab(touch.point, None)]
+                vec![Command::BeginBrush(tool, held.ctrl), Command::Dab(touch.point, pressure)]
             }
             (_, BrushEvent::Hover(touch)) => {
                 *self = touch.map_or(BrushTool::Idle, BrushTool::Hovering);
@@ -176,6 +176,10 @@ impl BrushTool {
     pub(crate) fn hint(&self, settings: &Settings) -> String {
         let name = settings.hand.name();
         match self {
+            BrushTool::Idle | BrushTool::Hovering(_) if settings.hand == Hand::Brush(Tool::Copy) => {
+                "Alt + click: where the detail comes from · drag: copy it · F: radius · Shift+F: strength"
+                    .into()
+            }
             BrushTool::Idle => format!("{name} · point at the surface · F: radius · Shift+F: strength"),
             BrushTool::Hovering(_) => {
                 format!(
@@ -217,7 +221,7 @@ mod tests {
     fn dabs_follow_each_other_at_even_distances_and_escape_takes_them_back() {
         let settings = with(Tool::Draw);
         let mut brush = BrushTool::default();
-        let begun = brush.on(BrushEvent::Press(touch(0.0), Held::default()), &settings, 0.4);
+        let begun = brush.on(BrushEvent::Press(touch(0.0), Held::default(), None), &settings, 0.4);
         assert!(matches!(begun.as_slice(), [Command::BeginBrush(Tool::Draw, false), Command::Dab(..)]));
         let mut dabs = 0;
         for step in 1..=100 {
@@ -235,7 +239,7 @@ mod tests {
             (Held { shift: true, ctrl: false }, Tool::Smooth, false),
             (Held { shift: false, ctrl: true }, Tool::Clay, true),
         ] {
-            let begun = BrushTool::default().on(BrushEvent::Press(touch(0.0), held), &settings, 1.0);
+            let begun = BrushTool::default().on(BrushEvent::Press(touch(0.0), held, None), &settings, 1.0);
             assert!(matches!(begun[0], Command::BeginBrush(t, i) if t == tool && i == inverted), "{begun:?}");
         }
     }

@@ -6,4 +6,4 @@ mod pen;
 
 pub(super) use brush::{BrushEvent, BrushTool, Choice, Held, Touch, trailed};
 pub(super) use handle::{Axis, HandleEvent, HandleTool, Hold};
-pub use pen::{PenInput, RecordedPen, TouchPen};
+pub use pen::{PenEvent, PenInput, RecordedPen, TouchPen};

@@ -21,7 +21,16 @@ fn ball() -> Surface {
 fn moved(vertex: u32) -> Entry {
     let delta = [0.01 * f64::from(vertex), 0.02, -0.03];
     let (radius, falloff) = (Some(0.7), None);
-    Entry::Edit(Edit::Move(Move { kind: Kind::Scaling, level: 1, vertex, delta, radius, falloff, v: 1 }))
+    Entry::Edit(Edit::Move(Move {
+        kind: Kind::Scaling,
+        level: 1,
+        vertex,
+        delta,
+        radius,
+        falloff,
+        mirror: None,
+        v: 1,
+    }))
 }
 
 /// A long log is opened in bounded memory: steps are put away while it is replayed, not after, and those that its lines

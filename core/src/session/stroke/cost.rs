@@ -1,7 +1,7 @@
 //! What a step of a drag costs, told from how many vertices it moves, and so how fine a level can follow the hand.
 
 use super::Stroke;
-use crate::edit::Region;
+use crate::edit::{Region, extent};
 use crate::hierarchy::Level;
 use crate::surface::Surface;
 
@@ -10,7 +10,18 @@ const MOST_MOVED: u64 = 1 << 18;
 /// Vertices that a step may move where detail is turned back and anew: some 10 ms on one core.
 const MOST_FOLLOWED: u64 = 1 << 14;
 
+/// Vertices that the end may make in a tenth of a second, and where detail follows.
+const MOST_ENDED: u64 = 1 << 20;
+const MOST_ENDED_FOLLOWED: u64 = 1 << 16;
+
 impl Stroke {
+    /// Whether the levels that wait for the end are more than can be made at once.
+    pub(super) fn ends_slowly(&self, surface: &Surface) -> bool {
+        let most = if self.follow.is_some() { MOST_ENDED_FOLLOWED } else { MOST_ENDED };
+        let finest = surface.finest();
+        self.reach < finest && self.delta != [0; 3] && self.moved_at(surface, finest) > most
+    }
+
     /// The finest level up to which a step moves no more vertices than a step may; at least the stroke's home.
     pub(super) fn affordable(&self, surface: &Surface) -> Level {
         let most = if self.follow.is_some() { MOST_FOLLOWED } else { MOST_MOVED };
@@ -21,24 +32,12 @@ impl Stroke {
             .unwrap_or(self.home)
     }
 
-    /// About how many vertices of a level move with the stroke. Exact for hexagons of a regular mesh: `n` hats
-    /// together reach `n + 2 √n` times four to the levels between; `n` wavelets lie within discs of radius `√n / 3` of
-    /// even vertices, and move those up to `k + 1` edges farther.
+    /// About how many vertices of a level move with the stroke.
     fn moved_at(&self, surface: &Surface, level: Level) -> u64 {
-        let at_home = match &self.region {
-            Region::Wavelets(_, region) => {
-                let rings = surface.form().wavelet.disc_radius().map_or(1, |k| u64::from(k) + 1);
-                let across = (region.len() as u64).isqrt() + 1 + 3 * rings;
-                4 * across * across / 3
-            }
-            _ => {
-                let hats = self.weights.len() as u64;
-                hats + 2 * hats.isqrt()
-            }
-        };
-        let finer = u32::from(level.0 - self.home.0);
-        let all = u64::from(surface.hierarchy().layout(level).len());
-        at_home.saturating_mul(4_u64.saturating_pow(finer)).min(all)
+        match &self.region {
+            Region::Wavelets(of, region) => extent::of_wavelets(surface, *of, region.len() as u64, level),
+            _ => extent::of_hats(surface, self.home, self.weights.len() as u64, level),
+        }
     }
 }
 
@@ -88,7 +87,8 @@ mod tests {
                 let vertex = session.surface().hierarchy().layout(Level(level)).len()
                     * u32::from(kind == Kind::Wavelet)
                     + 3;
-                let edit = Move { kind, level, vertex, delta: [0.0; 3], radius, falloff: None, v: 1 };
+                let edit =
+                    Move { kind, level, vertex, delta: [0.0; 3], radius, falloff: None, mirror: None, v: 1 };
                 session.begin_stroke(edit).expect("it exists");
                 let changes = session.drag_to([0.3, 0.2, 0.1]).expect("in range");
                 let surface = session.surface();

@@ -1,0 +1,488 @@
+//! What the hand does over time: strokes steadied, brushes seen on coarse levels, and hundreds of random uses taken back.
+
+mod window;
+
+use bozzetto::editor::{Editor, PenEvent, PenInput, Start};
+use bozzetto_core::conversion::{ConversionOptions, convert};
+use bozzetto_core::disk::Disk;
+use bozzetto_core::edit::{Edit, Tool};
+use bozzetto_core::file::{Metadata, Model, read_log};
+use bozzetto_core::hierarchy::Level;
+use bozzetto_core::mesh::shapes;
+use bozzetto_core::session::Session;
+use bozzetto_core::surface::{FormOptions, Surface, SurfaceHash};
+use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+use window::{
+    assert_replays, assert_replays_on, button, can_draw, drag, editor, hash, middle, release, settle, take,
+};
+
+/// Numbers that look random and are the same everywhere.
+struct Numbers(u64);
+
+impl Numbers {
+    fn below(&mut self, n: u32) -> u32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) % u64::from(n)) as u32
+    }
+}
+
+/// A bumpy ball of 258 vertices, without a file.
+fn ball() -> Session {
+    let mut mesh = shapes::subdivide(&shapes::octahedron(), 3);
+    for (at, p) in mesh.positions.iter_mut().enumerate() {
+        let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+        *p = p.map(|x| x / length * (1.0 + 0.002 * (at * 37 % 19) as f64));
+    }
+    let converted = convert(&mesh, &ConversionOptions::default()).expect("subdivided");
+    let surface = Surface::from_positions(converted.hierarchy, &converted.positions, &FormOptions::default());
+    Session::new(Arc::new(Disk), Model::new(surface.expect("small"), None, Metadata::default()))
+}
+
+fn session<'a>(harness: &'a Harness<'_, Editor>) -> &'a Session {
+    &harness.state().document().expect("open").session
+}
+
+/// Draws across the face with a trembling hand; the dabs of the logged stroke.
+fn trembling(harness: &mut Harness<'_, Editor>) -> Vec<[f64; 3]> {
+    let from = middle(harness) + egui::vec2(-110.0, -20.0);
+    harness.event(Event::PointerMoved(from));
+    harness.run_steps(2);
+    harness.event(button(true, from, PointerButton::Primary, Modifiers::NONE));
+    harness.run_steps(1);
+    let mut at = from;
+    for step in 1..=44 {
+        let tremble = if step % 2 == 0 { 9.0 } else { -9.0 };
+        at = from + egui::vec2(5.0 * step as f32, tremble);
+        harness.event(Event::PointerMoved(at));
+        harness.run_steps(1);
+    }
+    release(harness, at);
+    match session(harness).history().last().expect("a step") {
+        Edit::Stroke(stroke) => stroke.dabs.iter().map(|dab| dab.at).collect(),
+        other => panic!("{other}"),
+    }
+}
+
+/// How far the dabs of a stroke across go up and down on their way.
+fn restlessness(dabs: &[[f64; 3]]) -> f64 {
+    let ways = dabs.windows(2).map(|pair| (pair[1][1] - pair[0][1]).abs());
+    ways.sum::<f64>() / dabs.len() as f64
+}
+
+/// A steadied brush draws a calmer line than the hand, and its log is a script that gives the same bits.
+#[test]
+fn a_steadied_stroke_is_calm_and_its_log_is_a_script() {
+    if !can_draw() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("steadied.boz");
+    let mut harness = editor(Start::sample().expect("the sample opens"));
+    let original = hash(&harness);
+    take(&mut harness, "Draw");
+    for _ in 0..8 {
+        harness.key_press(Key::OpenBracket);
+        harness.run();
+    }
+    let restless = trembling(&mut harness);
+    let unsteadied = hash(&harness);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(hash(&harness), original);
+
+    let rail = harness.get_by_role_and_label(egui::accesskit::Role::Slider, "steady").rect();
+    let middle = rail.left_center() + egui::vec2(0.5 * rail.width().min(100.0), 0.0);
+    drag(&mut harness, rail.left_center() + egui::vec2(6.0, 0.0), middle, Modifiers::NONE);
+    release(&mut harness, middle);
+    let steady = harness.state().settings().steady;
+    assert!((20.0..70.0).contains(&steady), "{steady} points");
+    harness.remove_cursor();
+    harness.run();
+    let before = harness.render().expect("a picture");
+    let calm = trembling(&mut harness);
+    let steadied = hash(&harness);
+    assert!(steadied != original && steadied != unsteadied);
+    assert!(calm.len() >= 8 && restless.len() >= 8, "{} and {} dabs", calm.len(), restless.len());
+    let (calm, restless) = (restlessness(&calm), restlessness(&restless));
+    assert!(calm < 0.5 * restless, "{calm} steadied, {restless} as the hand goes");
+    harness.remove_cursor();
+    harness.run();
+    let after = harness.render().expect("a picture");
+    assert!(differing(&harness, &before, &after) >= 200, "it is seen");
+
+    harness.get_by_label("Save as").click();
+    harness.run();
+    harness.get_by_label("Path").focus();
+    harness.run();
+    harness.get_by_label("Path").type_text(path.to_str().expect("a plain path"));
+    harness.run();
+    harness.get_by_label("Save file").click();
+    settle(&mut harness);
+    drop(harness);
+    let log = path.with_extension("edits");
+    let script = read_log(&std::fs::read(&log).expect("a log"), true);
+    let Start::Session(mut fresh) = Start::sample().expect("the sample opens") else { panic!("a session") };
+    fresh.play(&script.lines, &|_| true).expect("every line plays");
+    assert_eq!(fresh.hash(), steadied, "the log, played as a script");
+}
+
+/// Pixels of the picture that differ.
+fn differing(harness: &Harness<'_, Editor>, a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
+    let picture = harness.state().picture();
+    let inside = |x: u32, y: u32| picture.contains(egui::pos2(x as f32, y as f32));
+    a.enumerate_pixels().filter(|(x, y, p)| inside(*x, *y) && b.get_pixel(*x, *y) != *p).count()
+}
+
+/// Copied detail goes to the finest level; where a coarser one is shown, the finest is seen until the brush is let go.
+#[test]
+fn a_brush_on_a_finer_level_than_is_shown_is_seen_live() {
+    if !can_draw() {
+        return;
+    }
+    let mut harness = editor(Start::sample().expect("the sample opens"));
+    harness.get_by_label("Show level 3").click();
+    harness.run();
+    harness.get_by_label("Edit level 1").click();
+    harness.run();
+    take(&mut harness, "Copy detail");
+    let from = middle(&harness) + egui::vec2(10.0, -110.0);
+    drag(&mut harness, from, from, Modifiers::ALT);
+    release(&mut harness, from);
+    let finest = session(&harness).surface().finest();
+    let shown = |harness: &Harness<'_, Editor>| {
+        let vertices = harness.state().document().expect("open").vertices();
+        (vertices.level(), vertices.positions().to_vec())
+    };
+    let (before, start) = (shown(&harness), middle(&harness));
+    assert_eq!(before.0, Level(3));
+    drag(&mut harness, start, start + egui::vec2(20.0, 10.0), Modifiers::NONE);
+    let first = shown(&harness);
+    assert!(
+        session(&harness).in_stroke() && first.0 == finest,
+        "the brush is down, level {} is seen",
+        first.0
+    );
+    assert!(harness.query_by_label_contains("shown until you let go").is_some());
+    let seen = harness.render().expect("a picture");
+    for step in 1..=4 {
+        harness.event(Event::PointerMoved(
+            start + egui::vec2(20.0 + 10.0 * step as f32, 10.0 + 5.0 * step as f32),
+        ));
+        harness.run_steps(1);
+    }
+    let moved = shown(&harness).1.iter().zip(&first.1).filter(|(a, b)| a != b).count();
+    assert!(moved > 20, "{moved} vertices follow the brush");
+    let later = harness.render().expect("a picture");
+    assert!(differing(&harness, &seen, &later) >= 200, "and that is seen");
+    release(&mut harness, start);
+    let after = shown(&harness);
+    assert!(after.0 == Level(3) && after.1 != before.1, "the level chosen is shown as it is now");
+    assert!(matches!(session(&harness).history().last(), Some(Edit::Stroke(s)) if s.tool == Tool::Copy));
+    assert_replays(&harness);
+}
+
+/// Erasing takes the levels from the edited one to the one chosen, and finer detail stays.
+#[test]
+fn detail_of_chosen_levels_is_erased() {
+    if !can_draw() {
+        return;
+    }
+    let mut harness = editor(Start::sample().expect("the sample opens"));
+    take(&mut harness, "Erase detail");
+    let rail = harness.get_by_role_and_label(egui::accesskit::Role::Slider, "erase to level").rect();
+    let (last, first) =
+        (rail.left_center() + egui::vec2(60.0, 0.0), rail.left_center() + egui::vec2(5.0, 0.0));
+    drag(&mut harness, last, first, Modifiers::NONE);
+    release(&mut harness, first);
+    let (level, to) = (harness.state().settings().level.0, harness.state().settings().erase_to);
+    assert_eq!(to, Some(level), "from the edited level to itself");
+    let finest = session(&harness).surface().finest().0 - 1;
+    let wavelets =
+        |harness: &Harness<'_, Editor>, level: u8| session(harness).surface().wavelets(Level(level)).to_vec();
+    let before = [wavelets(&harness, level), wavelets(&harness, finest)];
+    let from = middle(&harness);
+    drag(&mut harness, from, from + egui::vec2(50.0, 20.0), Modifiers::NONE);
+    release(&mut harness, from);
+    let Some(Edit::Stroke(stroke)) = session(&harness).history().last() else { panic!("no stroke") };
+    assert_eq!((stroke.tool, stroke.to), (Tool::Erase, Some(level)));
+    assert!(wavelets(&harness, level) != before[0], "its detail goes");
+    assert!(wavelets(&harness, finest) == before[1], "finer detail stays");
+    assert_replays(&harness);
+}
+
+/// Copying without a place to copy from says what to do; the place is then marked.
+#[test]
+fn copying_asks_for_its_source_and_marks_it() {
+    if !can_draw() {
+        return;
+    }
+    let mut harness = editor(Start::sample().expect("the sample opens"));
+    take(&mut harness, "Copy detail");
+    let at = middle(&harness);
+    drag(&mut harness, at, at + egui::vec2(40.0, 0.0), Modifiers::NONE);
+    release(&mut harness, at);
+    assert!(harness.state().message().is_some_and(|(text, failed)| text.contains("Alt + click") && !failed));
+    assert_eq!(session(&harness).history_len(), 0);
+    harness.remove_cursor();
+    harness.run();
+    let without = harness.render().expect("a picture");
+    drag(&mut harness, at, at, Modifiers::ALT);
+    release(&mut harness, at);
+    harness.remove_cursor();
+    harness.run();
+    let with = harness.render().expect("a picture");
+    let near = |x: u32, y: u32| (egui::pos2(x as f32, y as f32) - at).length() < 14.0;
+    let seen =
+        without.enumerate_pixels().filter(|(x, y, p)| near(*x, *y) && with.get_pixel(*x, *y) != *p).count();
+    assert!(seen >= 30, "the mark covers {seen} pixels");
+}
+
+/// A tablet whose pen was written down: what it does frame by frame, with its force.
+struct RecordedTablet {
+    frames: VecDeque<Vec<PenEvent>>,
+    forces: VecDeque<f64>,
+}
+
+impl PenInput for RecordedTablet {
+    fn heard(&mut self, _: Option<f32>) {}
+
+    fn pressure(&mut self) -> Option<f64> {
+        self.forces.pop_front()
+    }
+
+    fn strokes(&mut self) -> Vec<PenEvent> {
+        self.frames.pop_front().unwrap_or_default()
+    }
+
+    fn asks_again_in(&self) -> Option<Duration> {
+        (!self.frames.is_empty()).then_some(Duration::from_millis(8))
+    }
+}
+
+/// A tablet's pen, of which the window hears nothing otherwise, points and draws, and every dab has the force of its moment.
+#[test]
+fn a_tablets_pen_draws_with_its_own_force() {
+    if !can_draw() {
+        return;
+    }
+    let mut harness = editor(Start::sample().expect("the sample opens"));
+    let original = hash(&harness);
+    take(&mut harness, "Draw");
+    let from = middle(&harness);
+    let at = |x: f32| [from.x + x, from.y];
+    let frames = [
+        vec![PenEvent::Moved(at(0.0))],
+        vec![PenEvent::Down(at(0.0)), PenEvent::Moved(at(40.0))],
+        vec![PenEvent::Moved(at(80.0)), PenEvent::Up(at(80.0)), PenEvent::Gone],
+    ];
+    harness
+        .state_mut()
+        .set_pen(Box::new(RecordedTablet { frames: frames.into(), forces: [0.1, 0.5, 0.9].into() }));
+    for _ in 0..4 {
+        let ctx = harness.ctx.clone();
+        let mut raw = egui::RawInput::default();
+        eframe::App::raw_input_hook(harness.state_mut(), &ctx, &mut raw);
+        raw.events.into_iter().for_each(|event| harness.event(event));
+        harness.run_steps(1);
+    }
+    harness.run();
+    let Some(Edit::Stroke(stroke)) = session(&harness).history().last() else { panic!("no stroke") };
+    let strengths: Vec<f64> = stroke.dabs.iter().map(|dab| dab.strength).collect();
+    assert_eq!((strengths[0], strengths[strengths.len() - 1]), (0.1, 0.9), "{strengths:?}");
+    assert!(strengths.is_sorted() && strengths.contains(&0.5), "{strengths:?}");
+    assert_ne!(hash(&harness), original);
+    assert_replays(&harness);
+}
+
+/// A wavelet under symmetry moves with its mirror image, and the line says so.
+#[test]
+fn a_wavelet_handle_is_mirrored() {
+    if !can_draw() {
+        return;
+    }
+    let mut harness = editor(Start::Session(Box::new(ball())));
+    let original = hash(&harness);
+    harness.key_press(Key::W);
+    harness.key_press(Key::X);
+    harness.run();
+    let from = middle(&harness) + egui::vec2(110.0, -40.0);
+    let plain = harness.render().expect("a picture");
+    let to = from + egui::vec2(20.0, -30.0);
+    drag(&mut harness, from, to, Modifiers::NONE);
+    release(&mut harness, to);
+    let Some(Edit::Move(edit)) = session(&harness).history().last() else { panic!("no move") };
+    assert!(edit.mirror.is_some_and(|mirror| mirror.x.is_some()), "{edit:?}");
+    assert_eq!(harness.state().message(), None, "it has a partner");
+    harness.remove_cursor();
+    harness.run();
+    let moved = harness.render().expect("a picture");
+    // Left of the middle, too, where the mouse never was.
+    let middle = middle(&harness).x;
+    let left = |x: u32| (x as f32) < middle - 20.0 && harness.state().picture().left() < x as f32;
+    let seen = plain.enumerate_pixels().filter(|(x, y, p)| left(*x) && moved.get_pixel(*x, *y) != *p).count();
+    assert!(seen >= 200, "{seen} pixels of the mirror image");
+    assert_ne!(hash(&harness), original);
+    assert_replays_on(&harness, ball());
+}
+
+/// Clicks what has a label, wherever the inspector has it.
+fn click(harness: &mut Harness<'_, Editor>, label: &str) {
+    if harness.query_by_label(label).is_none_or(|node| node.accesskit_node().is_disabled()) {
+        return;
+    }
+    harness.get_by_label(label).scroll_to_me();
+    harness.run();
+    harness.get_by_label(label).click();
+    settle(harness);
+}
+
+/// A place on the ball, or now and then beside it.
+fn place(harness: &Harness<'_, Editor>, numbers: &mut Numbers) -> Pos2 {
+    let mut away = || numbers.below(400) as f32 - 200.0;
+    middle(harness) + egui::vec2(away(), away())
+}
+
+/// A drag with whatever is in the hand.
+fn use_hand(harness: &mut Harness<'_, Editor>, numbers: &mut Numbers) {
+    let modifiers = [Modifiers::NONE, Modifiers::NONE, Modifiers::CTRL, Modifiers::SHIFT];
+    let (from, to) = (place(harness, numbers), place(harness, numbers));
+    drag(harness, from, from + (to - from) * 0.3, modifiers[numbers.below(4) as usize]);
+    if numbers.below(8) == 0 {
+        harness.key_press(Key::Escape);
+        harness.run_steps(1);
+    }
+    release(harness, to);
+    settle(harness);
+}
+
+/// Something that a hand may do, without undo and redo.
+fn something(harness: &mut Harness<'_, Editor>, numbers: &mut Numbers) {
+    let (finest, vertices) = {
+        let surface = session(harness).surface();
+        (surface.finest().0, surface.scaling(surface.finest()).len())
+    };
+    match numbers.below(100) {
+        0..44 => {
+            let tool = Tool::ALL[numbers.below(Tool::ALL.len() as u32) as usize];
+            take(harness, tool.name());
+            if tool == Tool::Copy {
+                let from = middle(harness) + egui::vec2(40.0, -40.0);
+                drag(harness, from, from, Modifiers::ALT);
+                release(harness, from);
+            }
+            use_hand(harness, numbers);
+        }
+        44..64 => {
+            take(harness, ["Handle", "Grab"][numbers.below(2) as usize]);
+            match numbers.below(4) {
+                0 => click(harness, "detail follows"),
+                1 => click(harness, ["Raw", "Smooth bend"][numbers.below(2) as usize]),
+                2 => harness.key_press(Key::W),
+                _ => {}
+            }
+            harness.run();
+            use_hand(harness, numbers);
+        }
+        64..72 => {
+            let level = numbers.below(u32::from(finest));
+            let name = format!("Gain of level {level}");
+            harness.get_by_label(&name).scroll_to_me();
+            harness.run();
+            let rail = harness.get_by_label(&name).rect();
+            let one = egui::pos2(rail.center().x, rail.bottom() - rail.height() / 3.0);
+            let to = one + egui::vec2(0.0, numbers.below(40) as f32 - 20.0);
+            drag(harness, one, to, Modifiers::NONE);
+            release(harness, to);
+            click(harness, ["Apply gains", "Reset gains"][numbers.below(2) as usize]);
+        }
+        72..78 => click(harness, ["erase", "½", "× 2"][numbers.below(3) as usize]),
+        78..84 => {
+            take(harness, "Mask");
+            let names =
+                ["Hide masked", "Isolate masked", "Swap hidden", "Show all", "Show all", "Clear mask"];
+            click(harness, names[numbers.below(6) as usize]);
+        }
+        84..90 => {
+            let key = [Key::X, Key::Z, Key::OpenBracket, Key::CloseBracket][numbers.below(4) as usize];
+            harness.key_press(key);
+            harness.run();
+        }
+        90..96 => {
+            let modifiers = if numbers.below(2) == 0 { Modifiers::SHIFT } else { Modifiers::NONE };
+            harness.key_press_modifiers(modifiers, Key::D);
+            harness.run();
+        }
+        _ if finest < 3 || vertices < 200 => click(harness, "Add level"),
+        _ if finest > 3 => click(harness, "Delete finer"),
+        _ => {}
+    }
+}
+
+/// Three hundred random uses of the window, by names and keys: whatever is undone or redone comes back to the bit, and the
+/// history keeps to its budget.
+#[test]
+fn random_uses_of_the_window_return_exactly_within_the_budget() {
+    const BUDGET: usize = 8 << 10;
+    if !can_draw() {
+        return;
+    }
+    let mut start = ball();
+    start.set_history_budget(BUDGET);
+    let mut harness = editor(Start::Session(Box::new(start)));
+    click(&mut harness, "Equaliser");
+    let mut numbers = Numbers(20_261_130);
+    // The hash after so many steps, where it was seen.
+    let mut hashes: Vec<Option<SurfaceHash>> = vec![Some(hash(&harness))];
+    let (mut made, mut returned, mut most) = (0, 0, 0);
+    for round in 0..300 {
+        let (steps, before) = (session(&harness).steps(), hash(&harness));
+        let back = [Modifiers::COMMAND, Modifiers::COMMAND | Modifiers::SHIFT];
+        match numbers.below(10) {
+            way @ 0..4 => {
+                for _ in 0..=numbers.below(3) {
+                    match numbers.below(2) {
+                        0 => harness.key_press_modifiers(back[way as usize / 2], Key::Z),
+                        _ => click(&mut harness, ["Undo", "Redo"][way as usize / 2]),
+                    }
+                    settle(&mut harness);
+                }
+                returned += usize::from(hash(&harness) != before);
+            }
+            _ => {
+                something(&mut harness, &mut numbers);
+                let now = session(&harness).steps();
+                if now != steps {
+                    assert!(now > steps, "round {round}: {now} steps after {steps}");
+                    made += now - steps;
+                    hashes.truncate(steps + 1);
+                    hashes.resize(now + 1, None);
+                }
+            }
+        }
+        let now = hash(&harness);
+        let (at, memory) = (session(&harness).steps(), session(&harness).history_in_memory());
+        assert_eq!(*hashes[at].get_or_insert(now), now, "round {round}, after {at} steps");
+        most = most.max(memory);
+        assert!(memory <= BUDGET + (1 << 17), "round {round}: {memory} bytes of history");
+    }
+    println!("{made} steps made, {returned} times returned, at most {most} bytes of history in memory");
+    assert!(made > 100 && returned > 30, "{made} steps made, {returned} times returned");
+    let (last, steps) = (hash(&harness), session(&harness).steps());
+    assert_replays_on(&harness, ball());
+    for to in (0..steps).rev() {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        settle(&mut harness);
+        assert_eq!(hash(&harness), *hashes[to].get_or_insert(hash(&harness)), "undone to {to} steps");
+    }
+    assert_eq!((session(&harness).steps(), hash(&harness)), (0, hashes[0].expect("seen")));
+    for _ in 0..steps {
+        harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+        settle(&mut harness);
+    }
+    assert_eq!(hash(&harness), last, "redone");
+}
