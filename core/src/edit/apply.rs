@@ -7,6 +7,13 @@ use super::{BrushStroke, Dab, Deltas, Edit, EditError, Follow, MaskChange, Packe
 use crate::hierarchy::{Level, Odd, Slot};
 use crate::surface::{Changes, Moved, Runs, Surface, Vector};
 
+/// How many coefficients of which levels a step changes.
+#[derive(Debug, Clone)]
+struct Sizes {
+    scaling: Option<(Level, usize)>,
+    wavelets: Vec<(Level, usize)>,
+}
+
 /// An applied edit with what is needed to undo and redo it exactly.
 #[derive(Debug, Clone)]
 pub struct Step {
@@ -14,8 +21,7 @@ pub struct Step {
     title: String,
     /// Undone by subtracting the same integers; of the mask, by the values before.
     packed: Packed,
-    /// How many coefficients of which levels it changes: scaling ones, then wavelets.
-    sizes: (Option<(Level, usize)>, Vec<(Level, usize)>),
+    sizes: Sizes,
     /// For a change of levels: undone first, redone instead of what is packed.
     levels: Option<Before>,
     first_pass: Option<Changes>,
@@ -50,7 +56,7 @@ impl Step {
         let packed = Packed::new(&words, deltas, mask);
         let scaling = deltas.scaling.as_ref().map(|(level, of_level)| (*level, of_level.len()));
         let wavelets = deltas.wavelets.iter().map(|(level, of_level)| (*level, of_level.len())).collect();
-        let sizes = (scaling, wavelets);
+        let sizes = Sizes { scaling, wavelets };
         Self { title: edit.to_string(), packed, sizes, levels: None, first_pass: Some(first_pass) }
     }
 
@@ -162,7 +168,7 @@ impl Step {
         if self.levels.is_some() {
             return all;
         }
-        let (scaling, wavelets) = &self.sizes;
+        let Sizes { scaling, wavelets } = &self.sizes;
         let hats =
             scaling.iter().map(|&(level, count)| extent::of_hats(surface, level, count as u64, finest));
         let details =
