@@ -50,8 +50,16 @@ const HELD: f64 = 1e6;
 pub(super) struct Smoothing<'a> {
     /// Against that of the samples.
     pub(super) weight: f64,
-    /// Where vertices are drawn to; by default the middle of their neighbours.
-    pub(super) there: Option<&'a [DVec3]>,
+    /// Where vertices are drawn to, but for those of faces turned over; by default all to the middle of their neighbours.
+    pub(super) goal: Option<Goals<'a>>,
+}
+
+/// Where vertices are drawn to.
+#[derive(Clone, Copy)]
+pub(super) struct Goals<'a> {
+    pub(super) places: &'a [DVec3],
+    /// The share of the weight that each has.
+    pub(super) shares: &'a [f64],
 }
 
 /// What the faces of a fitted surface are like.
@@ -104,7 +112,7 @@ pub(super) fn fit(
         ask(&go_on)?;
         let blocks = pulls.face_blocks((target, fitted), &positions, &boosts);
         ask(&go_on)?;
-        let smoothing = Smoothing { weight: rules.smoothing, there: None };
+        let smoothing = Smoothing { weight: rules.smoothing, goal: None };
         let delta = solve(fitted, &positions, &blocks, faces, smoothing, &|_| true, &go_on)?;
         positions = guarded(fitted, &positions, &delta, &pulls.normals);
     }
@@ -132,9 +140,13 @@ pub(super) fn solve(
             return (block, DVec3::ZERO);
         }
         let (tangent, to_mean) = along_surface(fitted, positions, faces.normals, v);
-        let way = smoothing.there.map_or(to_mean, |there| there[v] - positions[v]);
         let folded = fitted.pattern.corners(v).iter().any(|&c| faces.turned[c as usize / 3]);
-        let weight = smoothing.weight * if folded { UNFOLD } else { 1.0 };
+        let (way, weight) = match smoothing.goal {
+            Some(Goals { places, shares }) if !folded => {
+                (places[v] - positions[v], smoothing.weight * shares[v])
+            }
+            _ => (to_mean, smoothing.weight * if folded { UNFOLD } else { 1.0 }),
+        };
         let mut block = Symmetric::default();
         block.add(&tangent, weight);
         // A trace across the surface keeps vertices no sample sees in place.

@@ -314,7 +314,7 @@ impl Patch {
             at,
             &blocks,
             faces,
-            Smoothing { weight: smoothing, there: None },
+            Smoothing { weight: smoothing, goal: None },
             &|v| self.free[v] && active[self.part[v] as usize],
             go_on,
         )?;
