@@ -10,7 +10,7 @@ use crate::opening::{ImportOptions, Imported, MeshSource, Stage, compact, import
 use crate::report::report;
 use anyhow::{Result, bail};
 use bozzetto_core::conversion::{Axis, ConversionOptions, Remesh};
-use bozzetto_core::file::{Size, encode};
+use bozzetto_core::file::encode;
 use bozzetto_core::mesh::{CompareOptions, compare};
 use bozzetto_core::wavelet::Wavelet;
 use clap::ValueEnum;
@@ -59,8 +59,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "N")]
     base_faces: Option<usize>,
     /// What the file is for: edit chooses base mesh and levels for handles and distance and keeps every detail; compact tries
-    /// base meshes, levels and wavelets for the smallest file at --psnr, or the nearest in --bytes, and is at 75 decibels if
-    /// neither is given.
+    /// base meshes, levels and wavelets for the smallest file at --psnr, or the nearest in --bytes; if neither is given, every bit
+    /// is kept of the surface that is smallest at 80 decibels.
     #[arg(long, default_value = "edit")]
     purpose: PurposeArg,
     #[command(flatten)]
@@ -161,7 +161,7 @@ impl Args {
             true => &[],
             false => &[Wavelet::Disc(0), Wavelet::Disc(1), Wavelet::Disc(2)],
         };
-        let size = self.size.to(&source.mesh).unwrap_or(Size::Psnr(compact::DECIBELS, &source.mesh));
+        let size = self.size.to(&source.mesh);
         let found =
             compact::import_compact(&source, options, wavelets, size, &|share| progress.report(share))?;
         let compact::Compact { imported, options, bytes, tried } = found;

@@ -9,15 +9,15 @@
 use super::{ImportOptions, Imported, MeshSource, Stage, import, import_if_kept};
 use anyhow::{Result, anyhow};
 use bozzetto_core::conversion::{ConversionOptions, Remesh};
-use bozzetto_core::file::{Model, NoSuchFile, NotNormal, Size, encode_smaller, normal_mesh};
+use bozzetto_core::file::{Model, NoSuchFile, NotNormal, Size, encode, encode_smaller, normal_mesh};
 use bozzetto_core::hierarchy::{FINEST_LEVEL, Slot};
 use bozzetto_core::mesh::{CompareOptions, Comparison, TriangleMesh, compare};
 use bozzetto_core::surface::{FormOptions, Surface};
 use bozzetto_core::wavelet::Wavelet;
 use std::cell::Cell;
 
-/// The distance asked for where nothing is, in decibels: a 5,600th of the diagonal.
-pub(crate) const DECIBELS: f64 = 75.0;
+/// The distance that a surface is chosen for where no size is asked for, in decibels: a 10,000th of the diagonal.
+const DECIBELS: f64 = 80.0;
 /// Base faces to begin with: of four scans between 60 and 80 dB the best number is between 60 and 200, and files over this
 /// many are at most a twentieth larger.
 const BASE_FACES: usize = 110;
@@ -58,7 +58,8 @@ pub(crate) struct Compact {
     pub(crate) tried: usize,
 }
 
-/// Imports a mesh as the best file of a size. Of `options` base faces are a limit and levels are kept where they are given;
+/// Imports a mesh as the best file of a size; without one, as the whole of the surface that is smallest at [`DECIBELS`], of
+/// which every part is a small file. Of `options` base faces are a limit and levels are kept where they are given;
 /// `wavelets` may take the place of the one there. A mesh with subdivision connectivity is tried as it is, too, unless it is
 /// to be converted in any case. `progress` gets the share done and returns whether to go on.
 ///
@@ -68,9 +69,10 @@ pub(crate) fn import_compact(
     source: &MeshSource,
     options: &ImportOptions,
     wavelets: &[Wavelet],
-    size: Size,
+    asked: Option<Size>,
     progress: &dyn Fn(f32) -> bool,
 ) -> Result<Compact> {
+    let size = asked.unwrap_or(Size::Psnr(DECIBELS, &source.mesh));
     let mut search = Search {
         source,
         options,
@@ -85,8 +87,14 @@ pub(crate) fn import_compact(
     search.run()?;
     let tried = search.tried.len();
     let best = search.best.expect("the first attempt fails or is kept");
-    let mut found = best.found.map_err(|error| anyhow!("{}: {error}", source.name))?;
     let (mut options, mut imported) = (best.options, best.imported);
+    let mut found = match best.found {
+        Err(_) if asked.is_none() => {
+            let bytes = encode(&imported.model);
+            return Ok(Compact { imported, options, bytes, tried });
+        }
+        found => found.map_err(|error| anyhow!("{}: {error}", source.name))?,
+    };
     let tried_with = options.form.wavelet;
     for &wavelet in wavelets.iter().filter(|&&wavelet| wavelet != tried_with) {
         let form = FormOptions { wavelet, ..options.form.clone() };
@@ -96,6 +104,13 @@ pub(crate) fn import_compact(
         {
             (found, options.form) = (other, form);
         }
+    }
+    if asked.is_none() {
+        if options.form.wavelet != tried_with {
+            imported.model = in_form(&imported.model, &options.form).expect("it was made before");
+        }
+        let bytes = encode(&imported.model);
+        return Ok(Compact { imported, options, bytes, tried });
     }
     let distance = found.distance(&source.mesh)?;
     imported.model = found.model;

@@ -1,7 +1,9 @@
 use super::super::tests::irregular;
 use super::*;
+use bozzetto_core::file::decode;
 use bozzetto_core::hierarchy::Level;
 use std::cell::RefCell;
+use std::path::Path;
 
 const WAVELETS: [Wavelet; 2] = [Wavelet::Disc(0), Wavelet::Disc(2)];
 
@@ -20,7 +22,7 @@ fn the_choice_is_no_worse_than_any_place_tried_by_hand() {
     let (_folder, source) = source();
     let size = Size::Psnr(45.0, &source.mesh);
     let free = options(ConversionOptions::default());
-    let found = import_compact(&source, &free, &WAVELETS, size, &|_| true).expect("a file");
+    let found = import_compact(&source, &free, &WAVELETS, Some(size), &|_| true).expect("a file");
     assert!(found.tried > 3, "{} tried", found.tried);
     let measured = found.imported.measured.expect("measured");
     let decibels = -20.0 * measured.rms.log10();
@@ -37,7 +39,7 @@ fn the_choice_is_no_worse_than_any_place_tried_by_hand() {
             assert!(found.bytes.len() <= bytes.len(), "{} after {}", found.bytes.len(), bytes.len());
         }
     }
-    let again = import_compact(&source, &free, &WAVELETS, size, &|_| true).expect("a file");
+    let again = import_compact(&source, &free, &WAVELETS, Some(size), &|_| true).expect("a file");
     assert_eq!(again.bytes, found.bytes);
 }
 
@@ -46,13 +48,13 @@ fn what_is_given_is_kept() {
     let (_folder, source) = source();
     let given = ConversionOptions { base_faces: Some(40), levels: Some(2), ..ConversionOptions::default() };
     let size = Size::Bytes(500);
-    let found = import_compact(&source, &options(given), &[], size, &|_| true).expect("a file");
+    let found = import_compact(&source, &options(given), &[], Some(size), &|_| true).expect("a file");
     let surface = &found.imported.model.surface;
     assert!(surface.hierarchy().base().faces().len() <= 40);
     assert_eq!((surface.finest(), surface.form().wavelet), (Level(2), Wavelet::Disc(2)));
     assert!(found.bytes.len() <= 500, "{} bytes", found.bytes.len());
     let freely = options(ConversionOptions::default());
-    let free = import_compact(&source, &freely, &WAVELETS, size, &|_| true).expect("a file");
+    let free = import_compact(&source, &freely, &WAVELETS, Some(size), &|_| true).expect("a file");
     assert!(free.imported.distance[0] < found.imported.distance[0], "{:?}", free.imported.distance);
 }
 
@@ -68,10 +70,10 @@ fn connectivity_that_is_there_is_tried_too() {
     let size = Size::Psnr(65.0, &source.mesh);
     // Flat faces, each split into 64: nothing is as small as what is there.
     let free = options(ConversionOptions::default());
-    let found = import_compact(&source, &free, &WAVELETS, size, &|_| true).expect("a file");
+    let found = import_compact(&source, &free, &WAVELETS, Some(size), &|_| true).expect("a file");
     assert!(found.imported.kept && found.bytes.len() < 300, "{} bytes", found.bytes.len());
     let never = options(ConversionOptions { remesh: Remesh::Never, ..ConversionOptions::default() });
-    let kept = import_compact(&source, &never, &WAVELETS, size, &|_| true).expect("a file");
+    let kept = import_compact(&source, &never, &WAVELETS, Some(size), &|_| true).expect("a file");
     assert_eq!((kept.tried, &kept.bytes), (1, &found.bytes));
 }
 
@@ -82,7 +84,7 @@ fn a_refusal_is_the_last_question_of_a_search() {
     let size = Size::Bytes(400);
     let asked = |last: usize| {
         let shares = RefCell::new(Vec::new());
-        let done = import_compact(&source, &given, &[], size, &|share| {
+        let done = import_compact(&source, &given, &[], Some(size), &|share| {
             shares.borrow_mut().push(share);
             shares.borrow().len() < last
         });
@@ -102,7 +104,21 @@ fn a_size_that_no_file_has_is_refused() {
     let (_folder, source) = source();
     let given = options(ConversionOptions { levels: Some(1), ..ConversionOptions::default() });
     for size in [Size::Bytes(20), Size::Psnr(250.0, &source.mesh)] {
-        let refused = import_compact(&source, &given, &[], size, &|_| true).expect_err("no such file");
+        let refused = import_compact(&source, &given, &[], Some(size), &|_| true).expect_err("no such file");
         assert!(refused.to_string().contains("irregular.off"), "{refused}");
     }
+}
+
+/// Without a size every bit of a surface is kept, and the first part of it is near for its bytes.
+#[test]
+fn without_a_size_the_whole_is_written() {
+    let (_folder, source) = source();
+    let given = options(ConversionOptions { levels: Some(2), ..ConversionOptions::default() });
+    let found = import_compact(&source, &given, &WAVELETS, None, &|_| true).expect("a file");
+    let read = decode(&found.bytes, Path::new("whole.boz")).expect("a sound file");
+    assert!(read.complete && read.metadata.source.is_some());
+    assert_eq!(read.surface.hash(), found.imported.model.surface.hash());
+    let editing = import(&source, &found.options, &|_, _| true).expect("an import");
+    let plain = encode(&editing.model).len();
+    assert!(found.bytes.len() < plain, "{} of {plain} bytes", found.bytes.len());
 }
