@@ -32,7 +32,7 @@ fn a_script_is_refused_at_the_line_that_is_wrong() {
         (moved("\"kind\":\"scaling\",\"level\":0,\"vertex\":0,\"radius\":-1"), "radius"),
         (moved("\"kind\":\"scaling\",\"level\":0,\"vertex\":0,\"radius\":0"), "radius"),
         (moved("\"kind\":\"scaling\",\"level\":0,\"vertex\":0,\"falloff\":\"smooth\""), "radius"),
-        (moved("\"kind\":\"scaling\",\"level\":0,\"vertex\":0,\"v\":2"), "version 2"),
+        (moved("\"kind\":\"scaling\",\"level\":0,\"vertex\":0,\"v\":3"), "version 3"),
         (GOOD.trim_end().replace("0.2", "1e9"), "beyond"),
         (GOOD.trim_end().replace("0.2", "\"up\""), "up"),
         (GOOD.trim_end().replace("[0,0.2,0]", "[0,0.2]"), "3"),
