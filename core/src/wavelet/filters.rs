@@ -9,7 +9,7 @@ use super::explicit_rows::{ExplicitRows, Known};
 use super::regularity::is_regular;
 use super::rows::Stencil;
 use super::weights::{LARGEST_DISC, WeightSolver};
-use crate::hierarchy::{Hierarchy, Layout, Level, Odd, Site};
+use crate::hierarchy::{Hierarchy, Layout, Level, Odd, Site, Slot};
 use crate::mesh::shapes;
 use pulp::{Arch, Simd, WithSimd};
 use thiserror::Error;
@@ -104,6 +104,19 @@ impl Filters {
         } else {
             self.stencil.sum_across(layout, face, at, d)
         }
+    }
+
+    /// [`Filters::gather`] on a level too coarse for the constant stencil, by slot.
+    pub(super) fn sum_on_coarse<const N: usize>(
+        &self,
+        level: Level,
+        slot: usize,
+        d: &[[i32; N]],
+    ) -> [i64; N] {
+        if self.wavelet == Wavelet::Lazy {
+            return [0; N];
+        }
+        explicit_sum(self.explicit[level.index()].row(Slot(slot as u32)), d)
     }
 
     /// The taps of an irregular even vertex.

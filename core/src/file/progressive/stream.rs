@@ -87,8 +87,12 @@ impl Below<'_> {
         };
         for (j, details) in self.levels.iter().enumerate().skip(from) {
             let (hierarchy, level) = (self.transform.hierarchy, Level(j as u8));
-            let details = details.coefficients(hierarchy, level);
-            positions = Cow::Owned(self.transform.synthesise_level(level, &positions, details));
+            positions = Cow::Owned(if details.frames.is_empty() {
+                self.transform.subdivide(level, &positions)
+            } else {
+                let details = details.coefficients(hierarchy, level);
+                self.transform.synthesise_level(level, &positions, details)
+            });
         }
         positions.into_owned()
     }

@@ -124,6 +124,15 @@ impl Transform<'_> {
         rows::analyse_level(self.hierarchy, self.filters, level, &straight)
     }
 
+    /// One level of synthesis without details: the bits that details of zero give. `O(n_{j+1})`.
+    pub(super) fn subdivide(self, level: Level, coarser: &[Vector]) -> Vec<Vector> {
+        let mut finer = rows::subdivide(self.hierarchy, level, coarser);
+        if self.bends() {
+            self.add_bends(level, &mut finer, plus);
+        }
+        finer
+    }
+
     /// One level of synthesis: `c^j` and `d^j` to `c^{j+1}`. `O(n_{j+1})`.
     pub(super) fn synthesise_level(
         self,
@@ -156,29 +165,7 @@ impl Transform<'_> {
     fn add_bends(self, level: Level, finer: &mut [Vector], add: impl Fn(Vector, Vector) -> Vector + Sync) {
         let (coarse, fine) = (self.hierarchy.layout(level), self.hierarchy.layout(level.finer()));
         let bends = bends(self.hierarchy, level, &evens(coarse, fine, finer), Curves::Kept);
-        let (edges, faces) = (coarse.base().edges().len(), coarse.base().faces().len());
-        let n = coarse.segments() as usize;
-        let (on_edges, inside) = bends.split_at(n * edges);
-        let (_, rest) = finer.split_at_mut(coarse.base().vertex_count() as usize);
-        let (fine_edges, fine_inside) = rest.split_at_mut((2 * n - 1) * edges);
-        for (edge, bends) in fine_edges.chunks_mut(2 * n - 1).zip(on_edges.chunks(n)) {
-            edge.iter_mut().step_by(2).zip(bends).for_each(|(odd, &bend)| *odd = add(*odd, bend));
-        }
-        if n == 1 {
-            return;
-        }
-        let per_face = fine_inside.len() / faces;
-        let faces = fine_inside.par_chunks_mut(per_face).zip(inside.par_chunks(3 * n * (n - 1) / 2));
-        faces.with_min_len(1024 / (n * n) + 1).for_each(|(face, bends)| {
-            let (mut face, mut bends) = (face.iter_mut(), bends.iter());
-            for r in 1..2 * n - 1 {
-                let row = face.by_ref().take(2 * n - r - 1);
-                let mut each = |odd: &mut Vector| {
-                    *odd = add(*odd, *bends.next().expect("as many as odd vertices"));
-                };
-                if r % 2 == 1 { row.for_each(each) } else { row.step_by(2).for_each(&mut each) }
-            }
-        });
+        rows::onto_odds(coarse, finer, &bends, add);
     }
 }
 

@@ -7,11 +7,12 @@
 //! vertices, boundaries and sharp edges, where nothing can be unfolded, are updated one by one.
 //!
 //! It guarantees the reference's results for any input: where details are so large that the kernels' 32-bit class sums
-//! could overflow, the level is given to the reference. Levels too coarse for the constant stencil always are.
+//! could overflow, the level is given to the reference. Levels too coarse for the constant stencil have [`coarse`].
 
 mod analysis;
 mod border;
 mod chart;
+mod coarse;
 mod corner;
 mod face_blocks;
 mod pairs;
@@ -31,6 +32,7 @@ use crate::hierarchy::{Hierarchy, Layout, Level, Site};
 use analysis::Output;
 use border::Border;
 use chart::Chart;
+pub use coarse::onto_odds;
 use face_blocks::split_by_face;
 pub use patch::{Patch, Refined, add_steps, refine};
 use pulp::Arch;
@@ -96,6 +98,9 @@ pub fn analyse_level_into<const N: usize>(
         (details.len(), coarser.len(), finer.len()),
         (coarse.odd_len() as usize, coarse.len() as usize, fine.len() as usize)
     );
+    if !serves(coarse, filters.wavelet()) {
+        return coarse::analyse(filters, coarse, finer, (details, coarser));
+    }
     let (faces_details, faces_coarser) = (&mut *details, &mut *coarser);
     let by_faces = || {
         let engine = Engine { filters, arch: arch(instructions) };
@@ -114,11 +119,7 @@ pub fn analyse_level_into<const N: usize>(
             )
             .reduce(|| true, |a, b| a & b)
     };
-    let (exact, sites) = if serves(coarse, filters.wavelet()) {
-        rayon::join(by_faces, || left_by_faces(coarse, filters.wavelet()))
-    } else {
-        (false, Vec::new())
-    };
+    let (exact, sites) = rayon::join(by_faces, || left_by_faces(coarse, filters.wavelet()));
     if !exact {
         let (d, c) = lifting::analyse_level(hierarchy, filters, level, finer);
         details.copy_from_slice(&d);
@@ -161,7 +162,10 @@ pub fn synthesise_level_into<const N: usize>(
         (details.len(), coarser.len(), finer.len()),
         (coarse.odd_len() as usize, coarse.len() as usize, fine.len() as usize)
     );
-    let exact = serves(coarse, filters.wavelet()) && {
+    if !serves(coarse, filters.wavelet()) {
+        return coarse::synthesise(filters, coarse, (coarser, details), finer);
+    }
+    let exact = {
         let engine = Engine { filters, arch: arch(instructions) };
         let (base, n) = (coarse.base(), fine.segments() as usize);
         let (corners, rest) = finer.split_at_mut(base.vertex_count() as usize);
@@ -263,5 +267,12 @@ pub fn synthesise_level<const N: usize>(
 ) -> Vec<[i32; N]> {
     let mut finer = vec![[0; N]; hierarchy.layout(level.finer()).len() as usize];
     synthesise_level_into(hierarchy, filters, level, Instructions::Detected, (coarser, details), &mut finer);
+    finer
+}
+
+/// One level of synthesis without details, into new storage: the bits that details of zero give. `O(n_{j+1})`.
+pub fn subdivide<const N: usize>(hierarchy: &Hierarchy, level: Level, coarser: &[[i32; N]]) -> Vec<[i32; N]> {
+    let mut finer = vec![[0; N]; hierarchy.layout(level.finer()).len() as usize];
+    coarse::subdivide(hierarchy.layout(level), coarser, &mut finer);
     finer
 }
