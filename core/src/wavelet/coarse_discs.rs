@@ -77,7 +77,7 @@ impl CoarseDiscs {
         (layout, rings): (&Layout, &Rings),
         (odd, k): (Odd, u8),
         scratch: &mut Scratch,
-        found: &mut dyn FnMut(u32, i32),
+        mut found: impl FnMut(u32, i32),
     ) {
         let site = layout.odd_site(odd);
         let parents = layout.parents(site).map(|site| layout.slot(site).0);

@@ -149,18 +149,63 @@ impl Cone {
 
     /// The cone on a level that is not coarse.
     pub(super) fn on<'a>(&'a self, layout: &'a Layout) -> OnLevel<'a> {
-        let n = 2 * layout.segments();
-        let inside = [0, 1, 2].map(|corner| {
-            let fan = [(0, corner)];
-            let number = |&(place, _): &(Place, i32)| match (Place { sector: 0, ..place }).chart(&fan, n) {
-                _ if place.along[1] == 0 => None,
-                (face, [_, i, r]) => {
-                    Some(layout.odd_at(Site::Face { face, i, r }).0 - layout.odd_face_start(0))
-                }
-            };
-            self.rows.iter().flat_map(|(_, taps)| taps).map(number).collect()
+        let number = |face: u32, [_, i, r]: [u32; 3]| {
+            layout.odd_at(Site::Face { face, i, r }).0 - layout.odd_face_start(0)
+        };
+        let all = self.rows.iter().flat_map(|(_, taps)| taps);
+        let taps = all.map(|&tap| Seen::new(tap, 2 * layout.segments(), number)).collect();
+        OnLevel { cone: self, layout, taps }
+    }
+}
+
+/// Not on a spoke.
+const OFF: u32 = u32::MAX;
+
+/// A place as all apexes of a valence see it on one level, and a weight.
+struct Seen {
+    sector: u32,
+    /// How far along the sector's first spoke, 0 at the apex; [`OFF`] it.
+    spoke: u32,
+    /// By the face's corner at the apex the number inside the face.
+    inside: [u32; 3],
+    weight: i32,
+}
+
+impl Seen {
+    /// On a level of n segments, with what numbers the places inside face 0.
+    fn new((place, weight): (Place, i32), n: u32, number: impl Fn(u32, [u32; 3]) -> u32) -> Self {
+        let Place { sector, along } = place;
+        let inside = [0, 1, 2].map(|corner| match along[1] {
+            0 => 0,
+            _ => {
+                let (face, b) = Place { sector: 0, along }.chart(&[(0, corner)], n);
+                number(face, b)
+            }
         });
-        OnLevel { cone: self, layout, inside }
+        let spoke = if along[1] == 0 { along[0] } else { OFF };
+        Self { sector, spoke, inside, weight }
+    }
+}
+
+/// A sector as it lies on the surface.
+#[derive(Debug, Clone, Copy)]
+struct Sector {
+    face: u32,
+    corner: u8,
+    /// The first spoke's base edge.
+    edge: u32,
+    /// Whether the apex is its low end.
+    from_low: bool,
+}
+
+impl Sector {
+    /// Those of an apex, twice round.
+    fn all(base: &BaseMesh, apex: u32) -> impl Iterator<Item = Self> {
+        let corners = &base.fan(apex).corners;
+        corners.iter().chain(corners).map(move |&(face, corner)| {
+            let edge = base.face_edges(face)[usize::from(corner)];
+            Self { face, corner, edge, from_low: base.edges()[edge as usize][0] == apex }
+        })
     }
 }
 
@@ -168,8 +213,8 @@ impl Cone {
 pub(super) struct OnLevel<'a> {
     cone: &'a Cone,
     layout: &'a Layout,
-    /// By the face's corner at the apex and tap the odd vertex's number among those inside the face; none on a spoke.
-    inside: [Vec<Option<u32>>; 3],
+    /// Of all rows, one after the other.
+    taps: Vec<Seen>,
 }
 
 impl OnLevel<'_> {
@@ -180,57 +225,125 @@ impl OnLevel<'_> {
         taps: &mut Vec<(Odd, i32)>,
         mut row: impl FnMut(Site, &mut Vec<(Odd, i32)>),
     ) {
-        let Self { cone, layout, inside } = self;
-        let fan = &layout.base().fan(apex).corners;
+        let Self { cone, layout, taps: seen } = self;
+        let (fan, n) = (&layout.base().fan(apex).corners, layout.segments());
+        let sectors: Vec<Sector> = Sector::all(layout.base(), apex).collect();
         for sector in 0..cone.valence {
-            let mut tap = 0;
+            let mut first = 0;
             for (place, of) in &cone.rows {
-                let first = tap;
-                tap += of.len();
+                let seen = &seen[first..first + of.len()];
+                first += of.len();
                 if place.along == [0, 0] && sector > 0 {
                     continue;
                 }
                 let from = taps.len();
                 let mut last = (Odd(0), from);
-                for (tap, &(odd, weight)) in (first..).zip(of) {
-                    let there = odd.turned(sector, cone.valence);
-                    let (face, corner) = fan[there.sector as usize];
-                    let odd = match inside[usize::from(corner)][tap] {
-                        Some(number) => Odd(layout.odd_face_start(face) + number),
-                        None => {
-                            let (face, b) = there.chart(fan, 2 * layout.segments());
-                            layout.resolve_odd(face, b.map(|x| x as i32)).expect("inside the cone")
-                        }
-                    };
-                    last = last.max((odd, taps.len()));
-                    taps.push((odd, weight));
-                }
+                taps.extend(seen.iter().zip(from..).map(|(seen, at)| {
+                    let there = sectors[(sector + seen.sector) as usize];
+                    let odd = Odd(match seen.spoke {
+                        OFF => layout.odd_face_start(there.face) + seen.inside[usize::from(there.corner)],
+                        t if there.from_low => there.edge * n + t / 2,
+                        t => there.edge * n + n - 1 - t / 2,
+                    });
+                    last = last.max((odd, at));
+                    (odd, seen.weight)
+                }));
                 let end = taps.len() - 1;
                 taps.swap(last.1, end);
-                let (face, b) = place.turned(sector, cone.valence).chart(fan, layout.segments());
+                let (face, b) = place.turned(sector, cone.valence).chart(fan, n);
                 row(layout.site_at(face, b), taps);
             }
         }
     }
 }
 
-/// What an odd vertex, a site of the level above, updates, if the nearest base vertex is an apex. On level [`COARSEST`].
-pub(super) fn updated<'a>(
-    cones: &'a Cones,
+/// The cones on level [`COARSEST`], where odd vertices are told one by one.
+pub(super) struct OnCoarsest<'a> {
     layout: &'a Layout,
-    (face, b): (u32, [u32; 3]),
-) -> Option<impl Iterator<Item = (Site, i32)> + 'a> {
-    let (corner, distance) = nearest(b);
-    let vertex = layout.base().faces()[face as usize][corner];
-    if distance > NEAREST || !is_apex(layout.base(), vertex) {
-        return None;
+    /// By valence.
+    cones: FxHashMap<usize, CoarseCone>,
+    /// Those of all apexes, twice round.
+    sectors: Vec<Sector>,
+    /// By base vertex where its sectors begin; none where it is no apex.
+    starts: Vec<Option<u32>>,
+    /// By base face and corner its place in the fan of that corner.
+    places: Vec<[u32; 3]>,
+}
+
+/// What each odd vertex of sector 0 updates.
+struct CoarseCone {
+    /// By place in half edges.
+    starts: [[(u32, u32); ALONG]; ALONG],
+    taps: Vec<Seen>,
+}
+
+/// Half edges along a spoke to odd vertices up to [`NEAREST`].
+const ALONG: usize = NEAREST as usize + 1;
+
+impl CoarseCone {
+    fn new(cone: &Cone, layout: &Layout) -> Self {
+        let number =
+            |face: u32, [_, i, r]: [u32; 3]| layout.slot(Site::Face { face, i, r }).0 - layout.row(0, 1).0;
+        let (mut starts, mut taps) = ([[(0, 0); ALONG]; ALONG], Vec::new());
+        for (&[a, b], of) in &cone.odds {
+            if a + b <= NEAREST {
+                let from = taps.len() as u32;
+                taps.extend(of.iter().map(|&tap| Seen::new(tap, layout.segments(), number)));
+                starts[a as usize][b as usize] = (from, taps.len() as u32);
+            }
+        }
+        Self { starts, taps }
     }
-    let fan = &layout.base().fan(vertex).corners;
-    let cone = cones.get(&fan.len())?;
-    let Place { sector, along } = Place::of(fan, (face, b));
-    let site = move |place: Place| {
-        let (face, b) = place.turned(sector, cone.valence).chart(fan, layout.segments());
-        layout.site_at(face, b)
-    };
-    Some(cone.odds.get(&along)?.iter().map(move |&(place, weight)| (site(place), weight)))
+}
+
+impl<'a> OnCoarsest<'a> {
+    pub(super) fn new(cones: &Cones, layout: &'a Layout) -> Self {
+        let base = layout.base();
+        let (mut sectors, mut places) = (Vec::new(), vec![[0; 3]; base.faces().len()]);
+        let starts = (0..base.vertex_count()).map(|vertex| {
+            for (&(face, corner), at) in base.fan(vertex).corners.iter().zip(0..) {
+                places[face as usize][usize::from(corner)] = at;
+            }
+            let start = sectors.len() as u32;
+            is_apex(base, vertex).then(|| {
+                sectors.extend(Sector::all(base, vertex));
+                start
+            })
+        });
+        let starts = starts.collect();
+        let cones = cones.iter().map(|(&valence, cone)| (valence, CoarseCone::new(cone, layout))).collect();
+        Self { layout, cones, sectors, starts, places }
+    }
+
+    /// Calls back for each vertex that an odd one updates, by slot, if the nearest base vertex is an apex; whether it is. The odd
+    /// vertex is given in a face of the finer level.
+    pub(super) fn updated(&self, (face, b): (u32, [u32; 3]), mut found: impl FnMut(u32, i32)) -> bool {
+        let Self { layout, .. } = self;
+        let (corner, distance) = nearest(b);
+        let vertex = layout.base().faces()[face as usize][corner];
+        let Some(start) = self.starts[vertex as usize].filter(|_| distance <= NEAREST) else { return false };
+        let valence = layout.base().fan(vertex).corners.len();
+        let Some(cone) = self.cones.get(&valence) else { return false };
+        let at = self.places[face as usize][corner] as usize;
+        // No sector holds its second spoke.
+        let (sector, [first, second]) = match [b[(corner + 1) % 3], b[(corner + 2) % 3]] {
+            [0, second] => ((at + 1) % valence, [second, 0]),
+            along => (at, along),
+        };
+        let (from, to) = cone.starts[first as usize][second as usize];
+        let sectors = &self.sectors[start as usize + sector..];
+        for seen in &cone.taps[from as usize..to as usize] {
+            let there = sectors[seen.sector as usize];
+            let slot = match seen.spoke {
+                0 => vertex,
+                OFF => layout.row(there.face, 1).0 + seen.inside[usize::from(there.corner)],
+                t => {
+                    let t = if there.from_low { t } else { layout.segments() - t };
+                    layout.slot(Site::Edge { edge: there.edge, t }).0
+                }
+            };
+            found(slot, seen.weight);
+        }
+        from < to
+    }
 }

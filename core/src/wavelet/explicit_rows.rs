@@ -2,7 +2,7 @@
 
 use super::Wavelet;
 use super::coarse_discs::{CoarseDiscs, Rings, Scratch};
-use super::cones::{self, Cones, OnLevel};
+use super::cones::{self, Cones, OnCoarsest, OnLevel};
 use super::regular_disc::RegularDisc;
 use super::regularity::{irregular_sites, is_coarse};
 use super::weights::WeightSolver;
@@ -50,15 +50,14 @@ impl ExplicitRows {
         if is_coarse(layout, wavelet) {
             let odds: Vec<Odd> = (0..layout.odd_len()).map(Odd).collect();
             let rings = Rings::new(layout);
+            let cones = (layout.level() == cones::COARSEST).then(|| OnCoarsest::new(&known.cones, layout));
             let (starts, taps) = collected(&odds, layout.len(), |odd, scratch, found| {
-                if layout.level() == cones::COARSEST {
-                    let chart = finer.chart(layout.odd_site(odd));
-                    if let Some(updated) = cones::updated(&known.cones, layout, chart) {
-                        updated.for_each(|(v, weight)| found(layout.slot(v).0, weight));
-                        return;
-                    }
+                let mut each = |slot, weight| found.push((slot, odd, weight));
+                let in_cone =
+                    |cones: &OnCoarsest| cones.updated(finer.chart(layout.odd_site(odd)), &mut each);
+                if !cones.as_ref().is_some_and(in_cone) {
+                    known.coarse.updated(&known.solver, (layout, &rings), (odd, k), scratch, &mut each);
                 }
-                known.coarse.updated(&known.solver, (layout, &rings), (odd, k), scratch, found);
             });
             return Self { numbers: FxHashMap::default(), starts, taps };
         }
@@ -84,7 +83,7 @@ impl ExplicitRows {
             let stencil = known.regular.stencil(layout, site).unwrap_or_else(solve);
             for (v, weight) in stencil.vertices.into_iter().zip(stencil.weights) {
                 if let Some(&row) = numbers.get(&layout.slot(v).0) {
-                    found(row, weight);
+                    found.push((row, odd, weight));
                 }
             }
         });
@@ -113,12 +112,11 @@ impl ExplicitRows {
 fn collected(
     odds: &[Odd],
     count: u32,
-    updated: impl Fn(Odd, &mut Scratch, &mut dyn FnMut(u32, i32)) + Sync,
+    updated: impl Fn(Odd, &mut Scratch, &mut Vec<(u32, Odd, i32)>) + Sync,
 ) -> (Vec<u32>, Vec<(Odd, i32)>) {
     let of_run = |scratch: &mut Scratch, run: &[Odd]| {
         let mut found = Vec::with_capacity(24 * run.len());
-        let mut each = |&odd: &Odd| updated(odd, scratch, &mut |row, weight| found.push((row, odd, weight)));
-        run.iter().for_each(&mut each);
+        run.iter().for_each(|&odd| updated(odd, scratch, &mut found));
         found
     };
     let runs = odds.par_chunks((odds.len() / 64).max(RUN));
