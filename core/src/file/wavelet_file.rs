@@ -99,7 +99,7 @@ impl Model {
 /// Writes a wavelet file, every bit of the surface. Deterministic: equal models give equal bytes, at any number of
 /// threads.
 pub fn encode(model: &Model) -> Vec<u8> {
-    encode_parts(model, &stream_of(&model.surface), Parts::Many)
+    in_pool(|| encode_parts(model, &stream_of(&model.surface), Parts::Many))
 }
 
 /// Into how many `WAVE` chunks a stream is cut. Each takes some 14 bytes; a part of one is of no use to a reader.
@@ -191,7 +191,12 @@ fn wave_chunk(bytes: &[u8], error: f64) -> Chunk {
 /// # Errors
 /// Damage, a file cut before its base mesh ends, features of a newer version, or a surface too large to hold.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Model, FileError> {
-    Reader { bytes, path, at: 0, unknown: Vec::new() }.model()
+    in_pool(|| Reader { bytes, path, at: 0, unknown: Vec::new() }.model())
+}
+
+/// Works on a thread of the pool: each of the many small parallel steps would else be handed over to one, and waited for.
+fn in_pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    rayon::scope(|_| work())
 }
 
 struct Reader<'a> {
