@@ -15,11 +15,10 @@ use eframe::egui::{self, Event, Key, Modifiers, PointerButton};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
-use window::{assert_replays, button, can_draw, drag, editor, hash, middle, release, settle, stroke, take};
-
-fn last(harness: &Harness<'_, Editor>) -> Edit {
-    harness.state().document().expect("open").session.history().last().expect("a step")
-}
+use window::{
+    assert_replays, button, can_draw, differing, differing_where, drag, editor, hash, last, middle, picture,
+    redo, release, save_as, session, settle, stroke, take, undo,
+};
 
 fn last_stroke(harness: &Harness<'_, Editor>) -> Stroke {
     match last(harness) {
@@ -58,11 +57,9 @@ fn every_brush_changes_the_surface_and_is_undone() {
         }
         let after = hash(&harness);
         assert_ne!(after, before, "{tool:?}");
-        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-        settle(&mut harness);
+        undo(&mut harness);
         assert_eq!(hash(&harness), before, "{tool:?}: undo");
-        harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-        settle(&mut harness);
+        redo(&mut harness);
         assert_eq!(hash(&harness), after, "{tool:?}: redo");
     }
     assert_replays(&harness);
@@ -80,17 +77,9 @@ fn a_mask_keeps_brushes_off_and_is_seen_and_cleared() {
     for _ in 0..6 {
         stroke(&mut harness, Modifiers::NONE);
     }
-    harness.remove_cursor();
-    harness.run();
-    let masked = harness.render().expect("a picture");
-    let picture = harness.state().picture();
-    let differing = masked
-        .enumerate_pixels()
-        .filter(|(x, y, p)| {
-            picture.contains(egui::pos2(*x as f32, *y as f32)) && plain.get_pixel(*x, *y) != *p
-        })
-        .count();
-    assert!(differing >= 200, "the mask is seen: {differing} pixels");
+    let masked = picture(&mut harness);
+    let seen = differing(&harness, &plain, &masked);
+    assert!(seen >= 200, "the mask is seen: {seen} pixels");
     let document = harness.state().document().expect("open");
     let surface = document.surface();
     let kept: Vec<usize> =
@@ -122,16 +111,16 @@ fn shift_smooths_ctrl_inverts_and_escape_cancels() {
     stroke(&mut harness, Modifiers::CTRL);
     let inverted = last_stroke(&harness);
     assert!(inverted.tool == Tool::Draw && inverted.strength < 0.0, "{inverted:?}");
-    let (before, steps) = (hash(&harness), harness.state().document().expect("open").session.history_len());
+    let (before, steps) = (hash(&harness), session(&harness).history_len());
     let from = middle(&harness);
     drag(&mut harness, from, from + egui::vec2(60.0, 10.0), Modifiers::NONE);
-    let stroking = harness.state().document().expect("open").session.brush_words().cloned();
+    let stroking = session(&harness).brush_words().cloned();
     assert!(stroking.is_some_and(|words| words.dabs.len() >= 2), "a stroke is under way");
     harness.key_press(Key::Escape);
     harness.run_steps(2);
     assert_eq!(hash(&harness), before, "every bit is back");
     release(&mut harness, from);
-    assert_eq!(harness.state().document().expect("open").session.history_len(), steps, "and no step is left");
+    assert_eq!(session(&harness).history_len(), steps, "and no step is left");
 }
 
 #[test]
@@ -143,8 +132,7 @@ fn symmetry_mirrors_the_stroke_in_space() {
     take(&mut harness, "Inflate");
     stroke(&mut harness, Modifiers::NONE);
     let alone = hash(&harness);
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut harness);
+    undo(&mut harness);
     harness.key_press(Key::X);
     harness.run();
     assert_eq!(harness.state().settings().symmetry, [true, false, false]);
@@ -178,8 +166,8 @@ fn radius_and_strength_are_chosen_by_moving_and_by_keys() {
     let radius = harness.state().settings().brush_radius;
     assert!((radius / before.brush_radius - 2.0).abs() < 0.05, "{radius}");
     let larger = harness.render().expect("a picture");
-    let differing = larger.enumerate_pixels().filter(|(x, y, p)| seen.get_pixel(*x, *y) != *p).count();
-    assert!(differing >= 200, "the ring grows: {differing} pixels");
+    let grown = differing_where(&seen, &larger, |_| true);
+    assert!(grown >= 200, "the ring grows: {grown} pixels");
     harness.key_press(Key::Escape);
     harness.run_steps(2);
     assert_eq!(harness.state().settings().brush_radius, before.brush_radius, "Esc takes it back");
@@ -193,7 +181,7 @@ fn radius_and_strength_are_chosen_by_moving_and_by_keys() {
     harness.event(button(false, pos, PointerButton::Primary, Modifiers::NONE));
     harness.run_steps(2);
     assert!((harness.state().settings().strength - before.strength - 0.25).abs() < 0.02, "a click keeps it");
-    assert_eq!(harness.state().document().expect("open").session.history_len(), 0, "the click is no stroke");
+    assert_eq!(session(&harness).history_len(), 0, "the click is no stroke");
     harness.key_press(Key::CloseBracket);
     harness.run();
     assert!(harness.state().settings().brush_radius > before.brush_radius * 1.1);
@@ -280,14 +268,7 @@ fn grab_and_smooth_handles_are_pulls_with_detail_that_follows() {
     assert_replays(&harness);
     // The files say the same.
     let after = hash(&harness);
-    harness.get_by_label("Save as").click();
-    harness.run();
-    harness.get_by_label("Path").focus();
-    harness.run();
-    harness.get_by_label("Path").type_text(path.to_str().expect("a plain path"));
-    harness.run();
-    harness.get_by_label("Save file").click();
-    settle(&mut harness);
+    save_as(&mut harness, &path);
     drop(harness);
     let (model, _) = open_model(&Disk, &path, OpenOptions::default()).expect("a sound pair");
     assert_eq!(Session::new(Arc::new(Disk), model).hash(), after);
@@ -311,21 +292,14 @@ fn a_brush_smaller_than_the_levels_triangles_moves_what_it_touches() {
     let spacing = (4.0 * std::f64::consts::PI / vertices as f64).sqrt();
     let radius = harness.state().settings().brush_radius;
     assert!(radius < 0.5 * spacing, "{radius} of the model's radius, triangles of {spacing}");
-    harness.remove_cursor();
-    harness.run();
-    let plain = harness.render().expect("a picture");
+    let plain = picture(&mut harness);
     let before = hash(&harness);
     stroke(&mut harness, Modifiers::NONE);
-    harness.remove_cursor();
-    harness.run();
     assert_eq!(last_stroke(&harness).level, 0);
     assert_ne!(hash(&harness), before);
-    let picture = harness.state().picture();
-    let after = harness.render().expect("a picture");
-    let inside = |x: u32, y: u32| picture.contains(egui::pos2(x as f32, y as f32));
-    let differing =
-        after.enumerate_pixels().filter(|(x, y, p)| inside(*x, *y) && plain.get_pixel(*x, *y) != *p).count();
-    assert!(differing >= 200, "{differing} pixels");
+    let after = picture(&mut harness);
+    let seen = differing(&harness, &plain, &after);
+    assert!(seen >= 200, "{seen} pixels");
     assert_replays(&harness);
 }
 

@@ -9,12 +9,14 @@ use bozzetto_core::hierarchy::{Level, PublicId};
 use bozzetto_core::session::{OpenOptions, Session, open_model};
 use bozzetto_core::surface::SurfaceHash;
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Vec2};
+use egui_kittest::SnapshotOptions;
 use egui_kittest::kittest::Queryable;
-use egui_kittest::{Harness, SnapshotOptions};
 use glam::{DVec2, DVec3};
 use std::path::Path;
 use std::sync::Arc;
-use window::{can_draw, editor, hash, settle};
+use window::{
+    button, can_draw, drag, editor, hash, redo, release, save_as, session, settle, type_path, undo,
+};
 
 fn points(v: Vec2) -> DVec2 {
     DVec2::new(f64::from(v.x), f64::from(v.y))
@@ -50,23 +52,6 @@ fn facing(editor: &Editor, kind: Kind, level: u8) -> Target {
         .expect("some coefficient faces the eye")
 }
 
-fn pointer(pressed: bool, pos: Pos2) -> Event {
-    Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
-}
-
-/// Presses at one place, moves to another in steps, and does not let go.
-fn press_and_move(harness: &mut Harness<'_, Editor>, from: Pos2, to: Pos2) {
-    harness.event(Event::PointerMoved(from));
-    harness.run_steps(2);
-    harness.event(pointer(true, from));
-    harness.run_steps(1);
-    for step in 1..=4 {
-        harness.event(Event::PointerMoved(from + (to - from) * (step as f32 / 4.0)));
-        harness.run_steps(1);
-    }
-    harness.run_steps(1);
-}
-
 /// The delta that keeps the surface under the cursor, from pixels and camera alone.
 fn expected_delta(editor: &Editor, target: &Target, from: Pos2, to: Pos2) -> [f64; 3] {
     let picture = points(editor.picture().size());
@@ -74,18 +59,6 @@ fn expected_delta(editor: &Editor, target: &Target, from: Pos2, to: Pos2) -> [f6
     let grip = at(from) - editor.camera().project(target.position, picture).expect("in front of the eye");
     let moved = editor.camera().unproject(at(to) - grip, target.position, picture) - target.position;
     (moved / target.peak).to_array()
-}
-
-fn save_as(harness: &mut Harness<'_, Editor>, path: &Path) {
-    harness.get_by_label("Save as").click();
-    harness.run();
-    harness.get_by_label("Path").focus();
-    harness.run();
-    harness.get_by_label("Path").type_text(path.to_str().expect("a plain path"));
-    harness.run();
-    harness.get_by_label("Save file").click();
-    settle(harness);
-    assert!(path.exists(), "{:?}", harness.state().message());
 }
 
 /// Replays one move onto the baked-free wavelet file and gives the hash.
@@ -123,17 +96,17 @@ fn drag_undo_save_reopen(kind: Kind) {
     let from = egui::pos2(at.x as f32, at.y as f32);
     let to = from + egui::vec2(37.0, -23.0);
     let delta = expected_delta(harness.state(), &target, from, to);
-    press_and_move(&mut harness, from, to);
+    drag(&mut harness, from, to, Modifiers::NONE);
 
     let now =
         harness.state().document().expect("open").target(kind, Level(2), target.vertex).expect("still there");
     let stray = (on_screen(harness.state(), now.position) - points(to.to_vec2())).length();
     assert!(stray < 1.0, "the vertex is {stray} px from the pointer");
     // A hand that goes on within the frame of the release no longer drags.
-    harness
-        .input_mut()
-        .events
-        .extend([pointer(false, to), Event::PointerMoved(to + egui::vec2(150.0, 60.0))]);
+    harness.input_mut().events.extend([
+        button(false, to, PointerButton::Primary, Modifiers::NONE),
+        Event::PointerMoved(to + egui::vec2(150.0, 60.0)),
+    ]);
     harness.run_steps(1);
     harness.run();
 
@@ -155,20 +128,18 @@ fn drag_undo_save_reopen(kind: Kind) {
     };
     assert_eq!(dragged, replayed(&path, edit), "the drag is the line that pixels and camera give");
 
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut harness);
+    undo(&mut harness);
     assert_eq!(hash(&harness), original, "undo");
-    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    settle(&mut harness);
+    redo(&mut harness);
     assert_eq!(hash(&harness), dragged, "redo");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
     settle(&mut harness);
-    assert!(!harness.state().document().expect("open").session.is_unsaved());
+    assert!(!session(&harness).is_unsaved());
     drop(harness);
 
     let reopened = editor(Start::File(path));
     assert_eq!(hash(&reopened), dragged, "reopened");
-    assert_eq!(reopened.state().document().expect("open").session.steps(), 1, "the history is there");
+    assert_eq!(session(&reopened).steps(), 1, "the history is there");
 }
 
 #[test]
@@ -191,14 +162,13 @@ fn escape_restores_every_bit_and_leaves_no_step() {
     let target = facing(harness.state(), Kind::Scaling, 1);
     let at = on_screen(harness.state(), target.position);
     let from = egui::pos2(at.x as f32, at.y as f32);
-    press_and_move(&mut harness, from, from + egui::vec2(60.0, 20.0));
+    drag(&mut harness, from, from + egui::vec2(60.0, 20.0), Modifiers::NONE);
     assert_ne!(hash(&harness), original);
     harness.key_press(Key::Escape);
     harness.run_steps(2);
     assert_eq!(hash(&harness), original);
-    harness.event(pointer(false, from));
-    harness.run();
-    assert_eq!(harness.state().document().expect("open").session.history_len(), 0);
+    release(&mut harness, from);
+    assert_eq!(session(&harness).history_len(), 0);
 }
 
 #[test]
@@ -234,10 +204,7 @@ fn a_bad_file_is_a_sentence_in_the_window() {
     let original = hash(&harness);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
     harness.run();
-    harness.get_by_label("Path").focus();
-    harness.run();
-    harness.get_by_label("Path").type_text(path.to_str().expect("a plain path"));
-    harness.run();
+    type_path(&mut harness, &path);
     harness.get_by_label("Open file").click();
     settle(&mut harness);
     let (text, failed) = harness.state().message().expect("a message");
@@ -270,8 +237,8 @@ fn pictures_of_the_window() {
     let target = facing(harness.state(), Kind::Wavelet, 2);
     let at = on_screen(harness.state(), target.position);
     let from = egui::pos2(at.x as f32, at.y as f32);
-    press_and_move(&mut harness, from, from + egui::vec2(30.0, -40.0));
-    harness.event(pointer(false, from + egui::vec2(30.0, -40.0)));
+    drag(&mut harness, from, from + egui::vec2(30.0, -40.0), Modifiers::NONE);
+    release(&mut harness, from + egui::vec2(30.0, -40.0));
     harness.remove_cursor();
     harness.run();
     harness.snapshot_options("window_wavelet", &options);

@@ -8,10 +8,11 @@ use bozzetto::render::{Gpu, GpuError, Samples};
 use bozzetto_core::edit::Edit;
 use bozzetto_core::session::Session;
 use bozzetto_core::surface::SurfaceHash;
-use eframe::egui::{self, Event, Modifiers, PointerButton, Pos2};
+use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use std::path::PathBuf;
+use image::RgbaImage;
+use std::path::{Path, PathBuf};
 
 /// A machine without the system's file dialog.
 struct NoChooser;
@@ -40,8 +41,13 @@ pub fn can_draw() -> bool {
 
 /// An editor in a window of 1280 by 800 points, at rest.
 pub fn editor(start: Start) -> Harness<'static, Editor> {
+    editor_of_size(start, egui::vec2(1280.0, 800.0))
+}
+
+/// An editor in a window of a size in points, at rest.
+pub fn editor_of_size(start: Start, size: egui::Vec2) -> Harness<'static, Editor> {
     let mut harness = Harness::builder()
-        .with_size(egui::vec2(1280.0, 800.0))
+        .with_size(size)
         .with_max_steps(40)
         .with_render_every_step(false)
         .wgpu()
@@ -75,7 +81,7 @@ pub fn button(pressed: bool, pos: Pos2, button: PointerButton, modifiers: Modifi
     Event::PointerButton { pos, button, pressed, modifiers }
 }
 
-/// Drags with the left button and does not let go.
+/// Drags with the left button from one place to another in steps, and does not let go.
 pub fn drag(harness: &mut Harness<'_, Editor>, from: Pos2, to: Pos2, modifiers: Modifiers) {
     harness.event(Event::ModifiersChanged(modifiers));
     harness.event(Event::PointerMoved(from));
@@ -111,9 +117,68 @@ pub fn take(harness: &mut Harness<'_, Editor>, name: &str) {
     harness.run();
 }
 
+/// The open session.
+pub fn session<'a>(harness: &'a Harness<'_, Editor>) -> &'a Session {
+    &harness.state().document().expect("a surface is open").session
+}
+
+/// The last edit.
+pub fn last(harness: &Harness<'_, Editor>) -> Edit {
+    session(harness).history().last().expect("a step")
+}
+
+/// Undoes by the keys, and waits for it.
+pub fn undo(harness: &mut Harness<'_, Editor>) {
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(harness);
+}
+
+/// Redoes by the keys, and waits for it.
+pub fn redo(harness: &mut Harness<'_, Editor>) {
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    settle(harness);
+}
+
+/// The window without the cursor over it.
+pub fn picture(harness: &mut Harness<'_, Editor>) -> RgbaImage {
+    harness.remove_cursor();
+    harness.run();
+    harness.render().expect("a picture")
+}
+
+/// Pixels of the picture of the surface that differ.
+pub fn differing(harness: &Harness<'_, Editor>, a: &RgbaImage, b: &RgbaImage) -> usize {
+    let picture = harness.state().picture();
+    differing_where(a, b, |at| picture.contains(at))
+}
+
+/// Pixels that differ at some places of the window.
+pub fn differing_where(a: &RgbaImage, b: &RgbaImage, there: impl Fn(Pos2) -> bool) -> usize {
+    let differ = |x: u32, y: u32| a.get_pixel(x, y) != b.get_pixel(x, y);
+    a.enumerate_pixels().filter(|&(x, y, _)| there(egui::pos2(x as f32, y as f32)) && differ(x, y)).count()
+}
+
+/// Chooses where a dialog reads or writes.
+pub fn type_path(harness: &mut Harness<'_, Editor>, path: &Path) {
+    harness.get_by_label("Path").focus();
+    harness.run();
+    harness.get_by_label("Path").type_text(path.to_str().expect("a plain path"));
+    harness.run();
+}
+
+/// Saves under a name.
+pub fn save_as(harness: &mut Harness<'_, Editor>, path: &Path) {
+    harness.get_by_label("Save as").click();
+    harness.run();
+    type_path(harness, path);
+    harness.get_by_label("Save file").click();
+    settle(harness);
+    assert!(path.exists(), "{:?}", harness.state().message());
+}
+
 /// The hash of the open surface.
 pub fn hash(harness: &Harness<'_, Editor>) -> SurfaceHash {
-    harness.state().document().expect("a surface is open").session.hash()
+    session(harness).hash()
 }
 
 /// The log of what was done here plays the same bits on a fresh surface.
@@ -124,7 +189,7 @@ pub fn assert_replays(harness: &Harness<'_, Editor>) {
 
 /// The log of what was done here plays the same bits on a surface as it was.
 pub fn assert_replays_on(harness: &Harness<'_, Editor>, mut fresh: Session) {
-    let session = &harness.state().document().expect("open").session;
+    let session = session(harness);
     let steps: Vec<Edit> = session.history().take(session.steps()).collect();
     for edit in steps {
         let text = serde_json::to_string(&edit).expect("plain data");

@@ -26,7 +26,7 @@ pub(crate) fn dialogs(ctx: &egui::Context, seen: &Seen<'_>) -> Vec<Command> {
         Dialog::Keys => "keys",
     };
     let shown = egui::Modal::new(egui::Id::unique(name)).show(ctx, |ui| {
-        ui.set_width(if matches!(dialog, Dialog::Keys) { 380.0 } else { 460.0 });
+        ui.set_width(if matches!(dialog, Dialog::Keys) { 520.0 } else { 460.0 });
         match dialog {
             Dialog::Path { task, path } => path_dialog(ui, *task, path, seen, &mut commands),
             Dialog::Import(choices) => import::choices(ui, choices, seen, &mut commands),
@@ -101,6 +101,12 @@ pub(super) fn path_field(ui: &mut egui::Ui, path: &mut String, commands: &mut Ve
         field.request_focus();
     }
     confirmed
+}
+
+/// Content that scrolls where the window is too low for it and what is drawn beside it, so many points high.
+pub(super) fn scrolled(ui: &mut egui::Ui, beside: f32, content: impl FnOnce(&mut egui::Ui)) {
+    let room = (ui.ctx().content_rect().height() - beside).max(64.0);
+    egui::ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, content);
 }
 
 fn command(task: PathTask, path: PathBuf) -> Command {
@@ -188,8 +194,7 @@ const KEYS: [(&str, &str); 24] = [
 fn keys(ui: &mut egui::Ui, commands: &mut Vec<Command>) {
     ui.heading("Keys and mouse");
     ui.add_space(6.0);
-    let room = ui.ctx().content_rect().height() - 150.0;
-    egui::ScrollArea::vertical().max_height(room).show(ui, |ui| {
+    scrolled(ui, 150.0, |ui| {
         egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
             for (key, does) in KEYS {
                 ui.strong(key);

@@ -44,9 +44,11 @@ pub(super) fn choices(ui: &mut Ui, before: &ImportChoices, seen: &Seen<'_>, comm
         ui.add(egui::Label::new(egui::RichText::new(&now.found).color(theme::FAINT)).wrap());
     }
     ui.add_space(8.0);
-    egui::Grid::new("import").num_columns(2).min_col_width(92.0).spacing([14.0, 8.0]).show(ui, |ui| {
-        sizes(ui, &mut now);
-        form(ui, &mut now);
+    super::dialogs::scrolled(ui, 220.0, |ui| {
+        egui::Grid::new("import").num_columns(2).min_col_width(92.0).spacing([14.0, 8.0]).show(ui, |ui| {
+            sizes(ui, &mut now);
+            form(ui, &mut now);
+        });
     });
     if now != *before {
         commands.push(Command::Ask(Dialog::Import(Box::new(now.clone()))));

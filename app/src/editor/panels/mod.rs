@@ -41,6 +41,19 @@ pub(super) struct Seen<'a> {
     pub preview: Option<&'a Preview>,
 }
 
+/// A column of icons, which scrolls without a bar where the window is low.
+fn scrolled_icons(ui: &mut egui::Ui, icons: impl FnOnce(&mut egui::Ui)) {
+    egui::ScrollArea::vertical()
+        .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
+        .show(ui, |ui| {
+            ui.vertical_centered(|ui| {
+                ui.spacing_mut().item_spacing.y = 2.0;
+                ui.add_space(6.0);
+                icons(ui);
+            });
+        });
+}
+
 /// A button that is an icon, with a name for people who cannot see it and a tip for those who can.
 fn icon_button(ui: &mut egui::Ui, enabled: bool, icon: lucide_icons::Icon, name: &str, tip: &str) -> bool {
     let button =

@@ -1,6 +1,6 @@
 //! The slim strip on the left: files, undo, views.
 
-use super::{Seen, icon_button};
+use super::{Seen, icon_button, scrolled_icons};
 use crate::editor::choices::ImportChoices;
 use crate::editor::command::Command;
 use crate::editor::dialog::{Dialog, PathTask};
@@ -19,9 +19,7 @@ pub(crate) fn strip(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
     let (undo, redo) = seen.document.map_or((false, false), |d| {
         (d.session.steps() > 0 || d.session.in_stroke(), d.session.steps() < d.session.history_len())
     });
-    ui.vertical_centered(|ui| {
-        ui.spacing_mut().item_spacing.y = 2.0;
-        ui.add_space(6.0);
+    scrolled_icons(ui, |ui| {
         let mut button = |ui: &mut egui::Ui, enabled, icon, name: &str, tip: &str, command: Command| {
             if icon_button(ui, enabled, icon, name, tip) {
                 commands.push(command);

@@ -1,6 +1,6 @@
 //! The tools: what can be taken into the hand.
 
-use super::{Seen, icon_button};
+use super::{Seen, icon_button, scrolled_icons};
 use crate::editor::command::Command;
 use crate::editor::settings::Hand;
 use crate::editor::theme;
@@ -32,24 +32,18 @@ const TOOLS: [(Hand, Icon, &str); 13] = [
 pub(crate) fn toolbar(ui: &mut egui::Ui, seen: &Seen<'_>) -> Vec<Command> {
     let mut commands = Vec::new();
     let open = seen.work.is_none() && seen.preview.is_none() && seen.document.is_some();
-    egui::ScrollArea::vertical()
-        .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
-        .show(ui, |ui| {
-            ui.vertical_centered(|ui| {
-                ui.spacing_mut().item_spacing.y = 2.0;
-                ui.add_space(6.0);
-                for (hand, icon, tip) in TOOLS {
-                    let held = open && seen.settings.hand == hand;
-                    ui.scope(|ui| {
-                        if held {
-                            ui.visuals_mut().override_text_color = Some(theme::ACCENT);
-                        }
-                        if icon_button(ui, open, icon, &format!("{} tool", hand.name()), tip) {
-                            commands.push(Command::Take(hand));
-                        }
-                    });
+    scrolled_icons(ui, |ui| {
+        for (hand, icon, tip) in TOOLS {
+            let held = open && seen.settings.hand == hand;
+            ui.scope(|ui| {
+                if held {
+                    ui.visuals_mut().override_text_color = Some(theme::ACCENT);
+                }
+                if icon_button(ui, open, icon, &format!("{} tool", hand.name()), tip) {
+                    commands.push(Command::Take(hand));
                 }
             });
-        });
+        }
+    });
     commands
 }
