@@ -7,33 +7,15 @@
 //!
 //! The core's own part of dabs of all brushes is timed by `cargo run --release -p bozzetto-core --example strokes`.
 
-use bozzetto::editor::Document;
+use bozzetto::editor::{Document, HistoryStep};
 use bozzetto_core::disk::Disk;
-use bozzetto_core::edit::{Dab, Over, Pull, Spread, Stroke, Tool};
+use bozzetto_core::edit::{Dab, Kind, Over, Pull, Spread, Stroke, Tool};
 use bozzetto_core::file::{Metadata, Model};
-use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level, Slot};
-use bozzetto_core::mesh::shapes;
+use bozzetto_core::hierarchy::Level;
 use bozzetto_core::session::Session;
-use bozzetto_core::surface::{FormOptions, Surface};
+use bozzetto_core::surface::Surface;
 use std::sync::Arc;
 use std::time::Instant;
-
-fn ball(levels: u8) -> Surface {
-    let mesh = shapes::octahedron();
-    let base = Arc::new(BaseMesh::new(6, mesh.faces.clone(), &[]).expect("a base mesh"));
-    let hierarchy = Hierarchy::new(base, Level(levels)).expect("fits");
-    let layout = hierarchy.layout(Level(levels));
-    let positions: Vec<[f64; 3]> = (0..layout.len())
-        .map(|slot| {
-            let (face, b) = layout.chart(layout.site(Slot(slot)));
-            let corners = hierarchy.base().faces()[face as usize].map(|v| mesh.positions[v as usize]);
-            let p: [f64; 3] = std::array::from_fn(|c| (0..3).map(|k| f64::from(b[k]) * corners[k][c]).sum());
-            let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
-            p.map(|x| x / length)
-        })
-        .collect();
-    Surface::from_positions(hierarchy, &positions, &FormOptions::default()).expect("a ball")
-}
 
 fn report(name: &str, mut milliseconds: Vec<f64>, goal: &str) {
     milliseconds.sort_by(f64::total_cmp);
@@ -93,9 +75,10 @@ fn dabs(document: &mut Document) {
 /// A handle of the base mesh from its beginning to its end, and back.
 fn handle(document: &mut Document, name: &str, spread: Spread, follow: bool) {
     let (mut begins, mut steps, mut ends, mut undos) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let (mut preview, mut slow) = (None, false);
+    let (mut preview, mut slow, mut previews, mut wholes) = (None, false, Vec::new(), Vec::new());
     for _ in 0..3 {
         let pull = Pull {
+            kind: Kind::Scaling,
             level: 0,
             vertex: Some(2),
             at: None,
@@ -125,9 +108,14 @@ fn handle(document: &mut Document, name: &str, spread: Spread, follow: bool) {
         document.follow(&changes);
         ends.push(since(begun));
         let begun = Instant::now();
+        document.preview_step(HistoryStep::Undo);
+        previews.push(since(begun));
+        let begun = Instant::now();
         let changes = document.session.undo().expect("a pull");
-        document.follow(&changes);
         undos.push(since(begun));
+        document.end_preview();
+        document.follow(&changes);
+        wholes.push(since(begun));
     }
     let shown = preview.map_or("whole".to_owned(), |level| format!("on level {level}"));
     report(&format!("handle of level 0, {name}"), begins, "its beginning");
@@ -135,7 +123,9 @@ fn handle(document: &mut Document, name: &str, spread: Spread, follow: bool) {
     report("  first step", first, &shown);
     report("  steps", steps, "goal: 16 ms");
     report("  end", ends, if slow { "away from the window" } else { "in the window" });
-    report("  undo", undos, "");
+    report("  undo, as it is shown at first", previews, "goal: 16 ms");
+    report("  and on all levels", wholes, "away from the window");
+    report("    of it the core's part", undos, "");
 }
 
 /// Gains of the equaliser under the hand, as the window lets them go.
@@ -171,7 +161,7 @@ fn gains(document: &mut Document) {
 
 fn main() {
     let levels = std::env::args().nth(1).map_or(9, |x| x.parse().expect("a number of levels"));
-    let surface = ball(levels);
+    let surface = Surface::ball(levels, |_| 1.0);
     let finest = surface.finest();
     println!("{} vertices", surface.scaling(finest).len());
     let session = Session::new(Arc::new(Disk), Model::new(surface, None, Metadata::default()));

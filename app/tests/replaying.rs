@@ -54,6 +54,43 @@ fn a_pair_is_the_wavelet_file_and_its_log() {
     assert!(work.succeeds(&["verify", "out.boz"]).contains(after));
 }
 
+/// A smooth pull of a wavelet replays to the session's bits, and moves detail of its level and finer alone.
+#[test]
+fn a_smooth_wavelet_is_a_line_like_any_other() {
+    let work = workplace();
+    let line =
+        r#"{"edit":"pull","kind":"wavelet","level":1,"vertex":30,"delta":[0,0.1,0.05],"follow":true,"v":3}"#;
+    work.write("smooth.edits", line);
+    let report = work.json(&["replay", "ball.boz", "smooth.edits", "-o", "out.boz", "--threads", "2"]);
+    let opened = Session::open(Arc::new(Disk), &work.path("ball.boz"), OpenOptions::default(), &|_| true);
+    let mut session = opened.expect("opens").session;
+    session.edit(serde_json::from_str::<Edit>(line).expect("an edit")).expect("small");
+    assert_eq!(report["hash"], session.hash().to_string());
+    drop(session);
+    let rows = |name: &str| -> Vec<(String, String)> {
+        work.succeeds(&["coefficients", name, "--csv", "out.csv"]);
+        let table = work.text("out.csv");
+        table
+            .lines()
+            .skip(1)
+            .map(|row| {
+                let mut fields = row.splitn(3, ',');
+                (
+                    format!("{} {}", fields.next().expect("a kind"), fields.next().expect("a level")),
+                    row.to_owned(),
+                )
+            })
+            .collect()
+    };
+    let (before, after) = (rows("ball.boz"), rows("out.boz"));
+    let changed = before.iter().zip(&after).filter(|(a, b)| a != b).map(|((of, _), _)| of.as_str());
+    let mut changed: Vec<&str> = changed.collect();
+    changed.dedup();
+    assert_eq!(changed, ["wavelet 1", "wavelet 2"]);
+    work.write("old.edits", &line.replace("\"v\":3", "\"v\":2"));
+    work.refuses(&["replay", "ball.boz", "old.edits", "-o", "old.boz"], &["old.edits", "version 3"]);
+}
+
 /// A scaling move of level 0 moves that coefficient by its delta, to half a step, and no other of that level.
 #[test]
 fn an_edit_does_what_its_line_says() {

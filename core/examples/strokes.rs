@@ -11,32 +11,17 @@
 use bozzetto_core::disk::Disk;
 use bozzetto_core::edit::{Dab, Kind, Move, Over, Pull, Spread, Stroke, Tool};
 use bozzetto_core::file::{Metadata, Model};
-use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level, Slot};
-use bozzetto_core::mesh::shapes;
+use bozzetto_core::hierarchy::Level;
 use bozzetto_core::session::Session;
-use bozzetto_core::surface::{FormOptions, Surface};
+use bozzetto_core::surface::Surface;
 use std::sync::Arc;
 use std::time::Instant;
 
 fn sphere(levels: u8) -> Surface {
-    let mesh = shapes::octahedron();
-    let base = Arc::new(BaseMesh::new(6, mesh.faces.clone(), &[]).expect("a base mesh"));
-    let hierarchy = Hierarchy::new(base, Level(levels)).expect("fits");
-    let layout = hierarchy.layout(Level(levels));
-    let positions: Vec<[f64; 3]> = (0..layout.len())
-        .map(|slot| {
-            let (face, b) = layout.chart(layout.site(Slot(slot)));
-            let corners = hierarchy.base().faces()[face as usize].map(|v| mesh.positions[v as usize]);
-            let p: [f64; 3] =
-                std::array::from_fn(|c| (0..3).map(|k| f64::from(b[k]) * corners[k][c]).sum::<f64>());
-            let length = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt();
-            let q = p.map(|x| x / length);
-            let wave = |f: f64| (f * q[0]).sin() * (f * q[1]).sin() * (f * q[2]).sin() / f;
-            let radius = 1.0 + wave(7.0) + wave(31.0) + wave(200.0);
-            q.map(|x| x * radius)
-        })
-        .collect();
-    Surface::from_positions(hierarchy, &positions, &FormOptions::default()).expect("a sphere")
+    Surface::ball(levels, |q| {
+        let wave = |f: f64| (f * q[0]).sin() * (f * q[1]).sin() * (f * q[2]).sin() / f;
+        1.0 + wave(7.0) + wave(31.0) + wave(200.0)
+    })
 }
 
 /// Milliseconds of the clock and of the processor.
@@ -178,6 +163,7 @@ fn handles(session: &mut Session) {
         v: 1,
     };
     let pull = Pull {
+        kind: Kind::Scaling,
         level: 0,
         vertex: Some(2),
         at: None,

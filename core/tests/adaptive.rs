@@ -8,13 +8,13 @@ use bozzetto_core::mesh::connectivity::Connectivity;
 use bozzetto_core::mesh::{CompareOptions, TriangleMesh, compare, shapes};
 use bozzetto_core::surface::{Form, FormOptions, Surface};
 use bozzetto_core::wavelet::Wavelet;
-use samples::{ball_of_radius, on_threads, surface};
+use samples::{on_threads, surface};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Smooth but for one bump, which asks for small triangles in one place.
 fn bump(levels: u8) -> Surface {
-    ball_of_radius(levels, |p| {
+    Surface::ball(levels, |p| {
         let away = (p[0] - 0.6).powi(2) + (p[1] - 0.64).powi(2) + (p[2] - 0.48).powi(2);
         1.0 + 0.1 * (-300.0 * away).exp()
     })

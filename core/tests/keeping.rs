@@ -7,12 +7,12 @@ use bozzetto_core::lod::{domain_distance, keep_largest, regular_norm};
 use bozzetto_core::mesh::shapes;
 use bozzetto_core::surface::{Form, Surface};
 use bozzetto_core::wavelet::Wavelet;
-use samples::{ball_of_radius, contents, surface};
+use samples::{contents, surface};
 
 /// A ball with bumps of several sizes, nowhere smooth.
 fn bumpy(wavelet: Wavelet, levels: u8) -> Surface {
     let wave = |p: [f64; 3], f: f64| (f * p[0]).sin() * (f * p[1] + 1.0).sin() * (f * p[2] + 2.0).sin();
-    let ball = ball_of_radius(levels, |p| {
+    let ball = Surface::ball(levels, |p| {
         1.0 + 0.2 * wave(p, 3.0) + 0.06 * wave(p, 9.0) + 0.02 * wave(p, 27.0) + 0.01 * (p[0] + p[1]).abs()
     });
     let form = Form { wavelet, ..ball.form().clone() };

@@ -9,7 +9,7 @@ use bozzetto_core::mesh::shapes;
 use bozzetto_core::surface::Surface;
 use bozzetto_core::wavelet::Wavelet;
 use memory_disk::session_of;
-use samples::{Numbers, assert_consistent, ball_of_radius, contents, draw_move, surface};
+use samples::{Numbers, assert_consistent, contents, draw_move, surface};
 
 /// Across x = 0, which an octahedron's ball is symmetric to.
 const PLANE: Mirror = Mirror { x: Some(0.0), y: None, z: None };
@@ -37,7 +37,7 @@ fn a_coefficient_moves_with_its_mirror_image() {
     for (kind, level, radius) in
         [(Kind::Wavelet, 1, None), (Kind::Wavelet, 2, Some(0.3)), (Kind::Scaling, 2, None)]
     {
-        let mut session = session_of(ball_of_radius(4, |_| 1.0));
+        let mut session = session_of(Surface::ball(4, |_| 1.0));
         let layout = session.surface().hierarchy().layout(Level(level)).clone();
         let first = if kind == Kind::Wavelet { layout.len() } else { 0 };
         let before = session.hash();
@@ -68,7 +68,7 @@ fn a_coefficient_moves_with_its_mirror_image() {
 
 #[test]
 fn without_a_partner_a_coefficient_moves_alone_and_that_is_told() {
-    let mut session = session_of(ball_of_radius(4, |_| 1.0));
+    let mut session = session_of(Surface::ball(4, |_| 1.0));
     let first = session.surface().hierarchy().layout(Level(1)).len();
     let off = Mirror { x: Some(0.83), y: None, z: None };
     let edit = Move { mirror: Some(off), ..moved(Kind::Wavelet, 1, first + 3, [0.0, 0.1, 0.0]) };
@@ -111,7 +111,7 @@ fn mirrored_moves_are_whole_and_undone_exactly_on_awkward_meshes() {
 
 #[test]
 fn mirrors_without_sense_are_refused() {
-    let mut session = session_of(ball_of_radius(3, |_| 1.0));
+    let mut session = session_of(Surface::ball(3, |_| 1.0));
     let good = moved(Kind::Wavelet, 1, 20, [0.0, 0.1, 0.0]);
     let nowhere = Mirror { x: Some(f64::NAN), y: None, z: None };
     for bad in [Move { v: 1, ..good }, Move { v: 3, ..good }, Move { mirror: Some(nowhere), ..good }] {

@@ -7,7 +7,7 @@ use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level, Slot};
 use bozzetto_core::mesh::{CompareOptions, TriangleMesh, compare, shapes};
 use bozzetto_core::surface::{FormOptions, Surface};
 use bozzetto_core::wavelet::Wavelet;
-use samples::{Numbers, ball_of_radius, model};
+use samples::{Numbers, model};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -81,7 +81,7 @@ fn wavy(mesh: &TriangleMesh, sharp: usize, levels: u8, wavelet: Wavelet, height:
 fn larger() -> Vec<(&'static str, Surface)> {
     let bump = |[x, y, z]: [f64; 3]| 1.0 + 0.1 * (9.0 * x).sin() * (7.0 * y + z).cos();
     vec![
-        ("ball", ball_of_radius(5, bump)),
+        ("ball", Surface::ball(5, bump)),
         ("torus", wavy(&shapes::torus(5, 4), 0, 4, Wavelet::Disc(1), 0.05)),
         ("disc", wavy(&shapes::disc(7), 0, 5, Wavelet::Disc(2), 0.1)),
         ("edges", wavy(&shapes::octahedron(), 3, 5, Wavelet::Disc(0), 0.1)),

@@ -11,17 +11,18 @@ use bozzetto_core::session::{OpenOptions, Session};
 use bozzetto_core::surface::{FormOptions, Surface};
 use bozzetto_core::wavelet::Wavelet;
 use memory_disk::{MemoryDisk, session_of};
-use samples::{Numbers, assert_consistent, ball_of_radius, contents, model, surface};
+use samples::{Numbers, assert_consistent, contents, model, surface};
 use std::path::Path;
 use std::sync::Arc;
 
 /// A ball without bumps.
 fn round(levels: u8) -> Surface {
-    ball_of_radius(levels, |_| 1.0)
+    Surface::ball(levels, |_| 1.0)
 }
 
 fn pull(level: u8, vertex: u32, delta: [f64; 3]) -> Pull {
     Pull {
+        kind: Kind::Scaling,
         level,
         vertex: Some(vertex),
         at: None,
@@ -38,10 +39,15 @@ fn pull(level: u8, vertex: u32, delta: [f64; 3]) -> Pull {
 fn random_pull(numbers: &mut Numbers, surface: &Surface) -> Pull {
     let finest = surface.finest();
     let size = surface.form().placement.step * f64::from(1 << 24);
-    let level = numbers.below(u32::from(finest.0) + 1) as u8;
-    let vertex = numbers.below(surface.hierarchy().layout(Level(level)).len());
+    let kind = if numbers.below(3) == 0 { Kind::Wavelet } else { Kind::Scaling };
+    let level = numbers.below(u32::from(finest.0) + u32::from(kind == Kind::Scaling)) as u8;
+    let layout = surface.hierarchy().layout(Level(level));
+    let vertex = match kind {
+        Kind::Scaling => numbers.below(layout.len()),
+        Kind::Wavelet => layout.len() + numbers.below(layout.odd_len()),
+    };
     let delta = std::array::from_fn(|_| 0.3 * size * numbers.signed());
-    let place = (numbers.below(3) == 0)
+    let place = (numbers.below(3) == 0 && kind == Kind::Scaling)
         .then(|| surface.position(finest, Slot(numbers.below(surface.scaling(finest).len() as u32))));
     let radius = (numbers.below(3) == 0).then(|| size * (0.1 + 0.5 * (numbers.signed() + 1.0)));
     let origin = surface.form().placement.origin;
@@ -53,7 +59,8 @@ fn random_pull(numbers: &mut Numbers, surface: &Surface) -> Pull {
         spread: if numbers.below(3) == 0 { Spread::Hat } else { Spread::Smooth },
         follow: numbers.below(2) == 0,
         mirror: (numbers.below(3) == 0).then_some(Mirror { x: Some(origin[0]), y: None, z: None }),
-        v: 1 + numbers.below(Pull::LATEST_VERSION),
+        v: if kind == Kind::Wavelet { 3 } else { 1 + numbers.below(Pull::LATEST_VERSION) },
+        kind,
         ..pull(level, 0, delta)
     }
 }
@@ -421,7 +428,7 @@ fn pulls_without_sense_are_refused_and_change_nothing() {
         Pull { radius: Some(-1.0), ..good },
         Pull { falloff: Some(Falloff::Sharp), ..good },
         Pull { mirror: Some(Mirror { x: Some(f64::NAN), y: None, z: None }), ..good },
-        Pull { v: 3, ..good },
+        Pull { v: 4, ..good },
         Pull { delta: [7.9, 0.0, 0.0], ..good },
         Pull { delta: [7.9, 0.0, 0.0], follow: true, ..good },
     ];

@@ -5,20 +5,22 @@ mod window;
 use bozzetto::editor::{Editor, PenEvent, PenInput, Start};
 use bozzetto_core::conversion::{ConversionOptions, convert};
 use bozzetto_core::disk::Disk;
-use bozzetto_core::edit::{Edit, Tool};
+use bozzetto_core::edit::{Edit, Kind, Spread, Tool};
 use bozzetto_core::file::{Metadata, Model, read_log};
-use bozzetto_core::hierarchy::Level;
+use bozzetto_core::hierarchy::{Level, PublicId};
 use bozzetto_core::mesh::shapes;
 use bozzetto_core::session::Session;
 use bozzetto_core::surface::{FormOptions, Surface, SurfaceHash};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use std::collections::VecDeque;
+use glam::DVec3;
+use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 use window::{
-    assert_replays, assert_replays_on, button, can_draw, drag, editor, hash, middle, release, settle, take,
+    assert_replays, assert_replays_on, button, can_draw, differing, differing_where, drag, editor, hash,
+    last, middle, picture, redo, release, save_as, session, settle, take, undo,
 };
 
 /// Numbers that look random and are the same everywhere.
@@ -43,10 +45,6 @@ fn ball() -> Session {
     Session::new(Arc::new(Disk), Model::new(surface.expect("small"), None, Metadata::default()))
 }
 
-fn session<'a>(harness: &'a Harness<'_, Editor>) -> &'a Session {
-    &harness.state().document().expect("open").session
-}
-
 /// Draws across the face with a trembling hand; the dabs of the logged stroke.
 fn trembling(harness: &mut Harness<'_, Editor>) -> Vec<[f64; 3]> {
     let from = middle(harness) + egui::vec2(-110.0, -20.0);
@@ -62,7 +60,7 @@ fn trembling(harness: &mut Harness<'_, Editor>) -> Vec<[f64; 3]> {
         harness.run_steps(1);
     }
     release(harness, at);
-    match session(harness).history().last().expect("a step") {
+    match last(harness) {
         Edit::Stroke(stroke) => stroke.dabs.iter().map(|dab| dab.at).collect(),
         other => panic!("{other}"),
     }
@@ -91,8 +89,7 @@ fn a_steadied_stroke_is_calm_and_its_log_is_a_script() {
     }
     let restless = trembling(&mut harness);
     let unsteadied = hash(&harness);
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    settle(&mut harness);
+    undo(&mut harness);
     assert_eq!(hash(&harness), original);
 
     let rail = harness.get_by_role_and_label(egui::accesskit::Role::Slider, "steady").rect();
@@ -101,41 +98,23 @@ fn a_steadied_stroke_is_calm_and_its_log_is_a_script() {
     release(&mut harness, middle);
     let steady = harness.state().settings().steady;
     assert!((20.0..70.0).contains(&steady), "{steady} points");
-    harness.remove_cursor();
-    harness.run();
-    let before = harness.render().expect("a picture");
+    let before = picture(&mut harness);
     let calm = trembling(&mut harness);
     let steadied = hash(&harness);
     assert!(steadied != original && steadied != unsteadied);
     assert!(calm.len() >= 8 && restless.len() >= 8, "{} and {} dabs", calm.len(), restless.len());
     let (calm, restless) = (restlessness(&calm), restlessness(&restless));
     assert!(calm < 0.5 * restless, "{calm} steadied, {restless} as the hand goes");
-    harness.remove_cursor();
-    harness.run();
-    let after = harness.render().expect("a picture");
+    let after = picture(&mut harness);
     assert!(differing(&harness, &before, &after) >= 200, "it is seen");
 
-    harness.get_by_label("Save as").click();
-    harness.run();
-    harness.get_by_label("Path").focus();
-    harness.run();
-    harness.get_by_label("Path").type_text(path.to_str().expect("a plain path"));
-    harness.run();
-    harness.get_by_label("Save file").click();
-    settle(&mut harness);
+    save_as(&mut harness, &path);
     drop(harness);
     let log = path.with_extension("edits");
     let script = read_log(&std::fs::read(&log).expect("a log"), true);
     let Start::Session(mut fresh) = Start::sample().expect("the sample opens") else { panic!("a session") };
     fresh.play(&script.lines, &|_| true).expect("every line plays");
     assert_eq!(fresh.hash(), steadied, "the log, played as a script");
-}
-
-/// Pixels of the picture that differ.
-fn differing(harness: &Harness<'_, Editor>, a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
-    let picture = harness.state().picture();
-    let inside = |x: u32, y: u32| picture.contains(egui::pos2(x as f32, y as f32));
-    a.enumerate_pixels().filter(|(x, y, p)| inside(*x, *y) && b.get_pixel(*x, *y) != *p).count()
 }
 
 /// Copied detail goes to the finest level; where a coarser one is shown, the finest is seen until the brush is let go.
@@ -182,7 +161,7 @@ fn a_brush_on_a_finer_level_than_is_shown_is_seen_live() {
     release(&mut harness, start);
     let after = shown(&harness);
     assert!(after.0 == Level(3) && after.1 != before.1, "the level chosen is shown as it is now");
-    assert!(matches!(session(&harness).history().last(), Some(Edit::Stroke(s)) if s.tool == Tool::Copy));
+    assert!(matches!(last(&harness), Edit::Stroke(s) if s.tool == Tool::Copy));
     assert_replays(&harness);
 }
 
@@ -195,10 +174,10 @@ fn detail_of_chosen_levels_is_erased() {
     let mut harness = editor(Start::sample().expect("the sample opens"));
     take(&mut harness, "Erase detail");
     let rail = harness.get_by_role_and_label(egui::accesskit::Role::Slider, "erase to level").rect();
-    let (last, first) =
+    let (right, left) =
         (rail.left_center() + egui::vec2(60.0, 0.0), rail.left_center() + egui::vec2(5.0, 0.0));
-    drag(&mut harness, last, first, Modifiers::NONE);
-    release(&mut harness, first);
+    drag(&mut harness, right, left, Modifiers::NONE);
+    release(&mut harness, left);
     let (level, to) = (harness.state().settings().level.0, harness.state().settings().erase_to);
     assert_eq!(to, Some(level), "from the edited level to itself");
     let finest = session(&harness).surface().finest().0 - 1;
@@ -208,7 +187,7 @@ fn detail_of_chosen_levels_is_erased() {
     let from = middle(&harness);
     drag(&mut harness, from, from + egui::vec2(50.0, 20.0), Modifiers::NONE);
     release(&mut harness, from);
-    let Some(Edit::Stroke(stroke)) = session(&harness).history().last() else { panic!("no stroke") };
+    let Edit::Stroke(stroke) = last(&harness) else { panic!("no stroke") };
     assert_eq!((stroke.tool, stroke.to), (Tool::Erase, Some(level)));
     assert!(wavelets(&harness, level) != before[0], "its detail goes");
     assert!(wavelets(&harness, finest) == before[1], "finer detail stays");
@@ -228,17 +207,11 @@ fn copying_asks_for_its_source_and_marks_it() {
     release(&mut harness, at);
     assert!(harness.state().message().is_some_and(|(text, failed)| text.contains("Alt + click") && !failed));
     assert_eq!(session(&harness).history_len(), 0);
-    harness.remove_cursor();
-    harness.run();
-    let without = harness.render().expect("a picture");
+    let without = picture(&mut harness);
     drag(&mut harness, at, at, Modifiers::ALT);
     release(&mut harness, at);
-    harness.remove_cursor();
-    harness.run();
-    let with = harness.render().expect("a picture");
-    let near = |x: u32, y: u32| (egui::pos2(x as f32, y as f32) - at).length() < 14.0;
-    let seen =
-        without.enumerate_pixels().filter(|(x, y, p)| near(*x, *y) && with.get_pixel(*x, *y) != *p).count();
+    let with = picture(&mut harness);
+    let seen = differing_where(&without, &with, |pixel| (pixel - at).length() < 14.0);
     assert!(seen >= 30, "the mark covers {seen} pixels");
 }
 
@@ -291,7 +264,7 @@ fn a_tablets_pen_draws_with_its_own_force() {
         harness.run_steps(1);
     }
     harness.run();
-    let Some(Edit::Stroke(stroke)) = session(&harness).history().last() else { panic!("no stroke") };
+    let Edit::Stroke(stroke) = last(&harness) else { panic!("no stroke") };
     let strengths: Vec<f64> = stroke.dabs.iter().map(|dab| dab.strength).collect();
     assert_eq!((strengths[0], strengths[strengths.len() - 1]), (0.1, 0.9), "{strengths:?}");
     assert!(strengths.is_sorted() && strengths.contains(&0.5), "{strengths:?}");
@@ -309,25 +282,80 @@ fn a_wavelet_handle_is_mirrored() {
     let original = hash(&harness);
     harness.key_press(Key::W);
     harness.key_press(Key::X);
+    harness.get_by_label("Raw").click();
+    harness.get_by_label("detail follows").click();
     harness.run();
     let from = middle(&harness) + egui::vec2(110.0, -40.0);
     let plain = harness.render().expect("a picture");
     let to = from + egui::vec2(20.0, -30.0);
     drag(&mut harness, from, to, Modifiers::NONE);
     release(&mut harness, to);
-    let Some(Edit::Move(edit)) = session(&harness).history().last() else { panic!("no move") };
+    let Edit::Move(edit) = last(&harness) else { panic!("no move") };
     assert!(edit.mirror.is_some_and(|mirror| mirror.x.is_some()), "{edit:?}");
     assert_eq!(harness.state().message(), None, "it has a partner");
-    harness.remove_cursor();
-    harness.run();
-    let moved = harness.render().expect("a picture");
+    let moved = picture(&mut harness);
     // Left of the middle, too, where the mouse never was.
     let middle = middle(&harness).x;
-    let left = |x: u32| (x as f32) < middle - 20.0 && harness.state().picture().left() < x as f32;
-    let seen = plain.enumerate_pixels().filter(|(x, y, p)| left(*x) && moved.get_pixel(*x, *y) != *p).count();
+    let left = |at: Pos2| at.x < middle - 20.0 && harness.state().picture().left() < at.x;
+    let seen = differing_where(&plain, &moved, left);
     assert!(seen >= 200, "{seen} pixels of the mirror image");
     assert_ne!(hash(&harness), original);
     assert_replays_on(&harness, ball());
+}
+
+/// A wavelet handle makes a smooth bump of detail unless told to be raw, and neither moves the coarser form. The vertex goes
+/// where the cursor goes.
+#[test]
+fn a_wavelet_handle_is_smooth_by_default() {
+    if !can_draw() {
+        return;
+    }
+    let mut harness = editor(Start::Session(Box::new(ball())));
+    harness.key_press(Key::W);
+    harness.run();
+    let (level, original) = (harness.state().settings().level, hash(&harness));
+    let coarser = |harness: &Harness<'_, Editor>| session(harness).surface().scaling(level).to_vec();
+    let before = coarser(&harness);
+    // Where the vertices are that wavelets of the level have, by id.
+    let document = harness.state().document().expect("open");
+    let places: HashMap<u32, DVec3> = (0..document.surface().scaling(level.finer()).len() as u32)
+        .filter_map(|id| Some((id, document.target(Kind::Wavelet, level, PublicId(id))?.position)))
+        .collect();
+    let (from, plain) = (middle(&harness) + egui::vec2(110.0, -40.0), picture(&mut harness));
+    let to = from + egui::vec2(20.0, -30.0);
+    let mut pictures = Vec::new();
+    for raw in [false, true] {
+        if raw {
+            harness.get_by_label("Raw").click();
+            harness.run();
+        }
+        drag(&mut harness, from, to, Modifiers::NONE);
+        release(&mut harness, to);
+        let Edit::Pull(edit) = last(&harness) else { panic!("{}", last(&harness)) };
+        assert_eq!((edit.kind, edit.level, edit.spread == Spread::Hat), (Kind::Wavelet, level.0, raw));
+        assert!(coarser(&harness) == before, "the coarser form stays");
+        let document = harness.state().document().expect("open");
+        let vertex = PublicId(edit.vertex.expect("a vertex"));
+        let now = document.target(Kind::Wavelet, level, vertex).expect("it is seen").position;
+        let asked = DVec3::from_array(edit.delta);
+        assert!(asked.length() > 0.05, "{asked}");
+        let went = now - places[&vertex.0];
+        // Its own detail turns along.
+        assert!((went - asked).length() < 0.05 * asked.length(), "{went}, asked for {asked}");
+        let dragged = hash(&harness);
+        assert_ne!(dragged, original);
+        assert_replays_on(&harness, ball());
+        pictures.push(picture(&mut harness));
+        undo(&mut harness);
+        assert_eq!(hash(&harness), original);
+        redo(&mut harness);
+        assert_eq!(hash(&harness), dragged);
+        undo(&mut harness);
+    }
+    for (a, b) in [(&plain, &pictures[0]), (&pictures[0], &pictures[1])] {
+        let seen = differing(&harness, a, b);
+        assert!(seen >= 200, "{seen} pixels");
+    }
 }
 
 /// Clicks what has a label, wherever the inspector has it.
@@ -472,17 +500,15 @@ fn random_uses_of_the_window_return_exactly_within_the_budget() {
     }
     println!("{made} steps made, {returned} times returned, at most {most} bytes of history in memory");
     assert!(made > 100 && returned > 30, "{made} steps made, {returned} times returned");
-    let (last, steps) = (hash(&harness), session(&harness).steps());
+    let (after, steps) = (hash(&harness), session(&harness).steps());
     assert_replays_on(&harness, ball());
     for to in (0..steps).rev() {
-        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-        settle(&mut harness);
+        undo(&mut harness);
         assert_eq!(hash(&harness), *hashes[to].get_or_insert(hash(&harness)), "undone to {to} steps");
     }
     assert_eq!((session(&harness).steps(), hash(&harness)), (0, hashes[0].expect("seen")));
     for _ in 0..steps {
-        harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-        settle(&mut harness);
+        redo(&mut harness);
     }
-    assert_eq!(hash(&harness), last, "redone");
+    assert_eq!(hash(&harness), after, "redone");
 }

@@ -86,7 +86,8 @@ impl ShownVertices {
         match moved {
             Moved::Nothing => Vec::new(),
             Moved::Everything => {
-                *self = Self::new(surface, self.level);
+                self.place(surface, 0..self.positions.len());
+                self.normals = normals::all(surface.hierarchy().layout(self.level), &self.positions);
                 std::iter::once(0..self.positions.len() as u32).collect()
             }
             Moved::Some(runs) => {

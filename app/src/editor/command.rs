@@ -163,6 +163,11 @@ impl Command {
             || matches!(self, Self::SetShading(_) | Self::Toggle(_) | Self::DismissBanner)
     }
 
+    /// Whether it is a step through the history.
+    pub fn goes_through_history(&self) -> bool {
+        matches!(self, Self::Undo | Self::Redo)
+    }
+
     /// Whether it changes where the surface is looked at from and nothing else.
     pub fn only_looks(&self) -> bool {
         matches!(

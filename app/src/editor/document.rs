@@ -18,18 +18,19 @@ pub struct Document {
     vertices: ShownVertices,
     tree: PickTree,
     sphere: BoundingSphere,
-    /// A coarser level shown in place of the chosen one while a long stroke lasts.
+    /// A coarser level shown in place of the chosen one while a long stroke lasts, or until a large
+    /// step of the history is on all levels.
     preview: Option<ShownVertices>,
     spectrum: OnceCell<Vec<f64>>,
 }
 
-/// What is shown of a session that is elsewhere.
-#[derive(Debug)]
-pub struct Shown {
-    vertices: ShownVertices,
-    tree: PickTree,
-    sphere: BoundingSphere,
-    preview: Option<ShownVertices>,
+/// A step through the history.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HistoryStep {
+    /// Back.
+    Undo,
+    /// Forth again.
+    Redo,
 }
 
 /// A coefficient under the cursor.
@@ -60,18 +61,6 @@ impl Document {
         Self { session, vertices, tree, sphere, preview: None, spectrum: OnceCell::new() }
     }
 
-    /// Lets the session go and keeps what is shown of it.
-    pub fn part(self) -> (Session, Shown) {
-        let Self { session, vertices, tree, sphere, preview, spectrum: _ } = self;
-        (session, Shown { vertices, tree, sphere, preview })
-    }
-
-    /// The session back with what is shown of it, which then has to follow what happened meanwhile.
-    pub fn joined(session: Session, shown: Shown) -> Self {
-        let Shown { vertices, tree, sphere, preview } = shown;
-        Self { session, vertices, tree, sphere, preview, spectrum: OnceCell::new() }
-    }
-
     /// The surface.
     pub fn surface(&self) -> &Surface {
         self.session.surface()
@@ -100,6 +89,23 @@ impl Document {
         if let Ok(changes) = self.session.drag_to(delta) {
             self.follow(&changes);
         }
+    }
+
+    /// Shows what the next undo, or redo, will bring, on a coarser level, if the one chosen cannot follow at once: a sample of the
+    /// surface there. Whether there is such a preview; the step itself, or [`Document::end_preview`], ends it.
+    pub fn preview_step(&mut self, step: HistoryStep) -> bool {
+        let shown_at_once = match step {
+            HistoryStep::Undo => self.session.undo_shown_at_once(),
+            HistoryStep::Redo => self.session.redo_shown_at_once(),
+        };
+        let Some(level) = shown_at_once.filter(|&level| level < self.vertices.level()) else { return false };
+        self.preview = Some(ShownVertices::sampled(self.session.surface(), level, &self.vertices));
+        let changes = match step {
+            HistoryStep::Undo => self.session.preview_undo(level),
+            HistoryStep::Redo => self.session.preview_redo(level),
+        };
+        self.follow(&changes);
+        true
     }
 
     /// Lets the drag that has begun go on with what can follow the hand: where that is coarser than what is shown, as a

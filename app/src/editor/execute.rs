@@ -3,12 +3,12 @@
 use super::Editor;
 use super::command::Command;
 use super::dialog::{Dialog, PathTask};
-use super::document::Document;
+use super::document::{Document, HistoryStep};
 use super::panels::Banner;
 use super::preview::Preview;
 use super::shown_name;
 use super::viewport::orbit_angles;
-use super::worker::{Done, Outcome, Work};
+use super::worker::{Done, Outcome, Returned, Work};
 use crate::opening;
 use crate::render::BoundingSphere;
 use bozzetto_core::disk::{Disk, Vfs};
@@ -18,6 +18,7 @@ use bozzetto_core::io::{MeshFormat, write_mesh};
 use bozzetto_core::session::{OpenOptions, Opened, Session};
 use bozzetto_core::surface::{Changes, Moved};
 use glam::DVec2;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -68,10 +69,11 @@ impl Editor {
             Command::CancelWork => self.cancel_work(),
             Command::DismissBanner => self.banner = None,
             Command::Edit(edit) => self.edit(ctx, edit),
-            Command::Undo => self.step(ctx, "Undoing", Session::undo_moves, Session::undo),
-            Command::Redo => self.step(ctx, "Redoing", Session::redo_moves, Session::redo),
+            Command::Undo => self.step(ctx, HistoryStep::Undo),
+            Command::Redo => self.step(ctx, HistoryStep::Redo),
             Command::GoTo(steps) => {
-                self.step(ctx, "Going through the history", |_| None, move |s| s.go_to(steps));
+                let title = "Going through the history".to_owned();
+                self.on_session(ctx, title, self.is_large(), move |session| Ok(session.go_to(steps)));
             }
             Command::BeginStroke { .. }
             | Command::BeginGrab(_)
@@ -172,17 +174,31 @@ impl Editor {
         });
     }
 
-    /// Goes through the history. `moves` tells how many vertices move, where that is known.
-    fn step(
-        &mut self,
-        ctx: &egui::Context,
-        title: &str,
-        moves: impl FnOnce(&Session) -> Option<u64>,
-        step: impl FnOnce(&mut Session) -> Option<Changes> + Send + 'static,
-    ) {
-        let moves = self.document.as_ref().and_then(|document| moves(&document.session));
-        let away = self.is_large() && moves.is_none_or(|moves| moves > QUICK_STEP);
-        self.on_session(ctx, title.to_owned(), away, move |session| Ok(step(session)));
+    /// Undoes or redoes a step: here if it is small, else first on a level that can show it at once, and on all levels away from
+    /// the window.
+    fn step(&mut self, ctx: &egui::Context, step: HistoryStep) {
+        self.let_go();
+        let Some(document) = &mut self.document else { return };
+        let (moves, title) = match step {
+            HistoryStep::Undo => (document.session.undo_moves(), "Undoing"),
+            HistoryStep::Redo => (document.session.redo_moves(), "Redoing"),
+        };
+        let Some(moves) = moves else { return };
+        let away = moves > QUICK_STEP;
+        let mut title = title.to_owned();
+        if away && document.preview_step(step) {
+            if let Some(level) = document.preview() {
+                title += &format!("; level {level} is shown until all levels have followed");
+            }
+            self.scenery.replace_surface();
+            self.update_scenery();
+        }
+        self.on_session(ctx, title, away, move |session| {
+            Ok(match step {
+                HistoryStep::Undo => session.undo(),
+                HistoryStep::Redo => session.redo(),
+            })
+        });
     }
 
     fn is_large(&self) -> bool {
@@ -211,7 +227,7 @@ impl Editor {
         }
     }
 
-    /// Moves the session to a worker; it comes back with the outcome. What is shown of it stays here.
+    /// Moves the session to a worker; it comes back with the outcome. The picture stays.
     pub(super) fn send_session(
         &mut self,
         ctx: &egui::Context,
@@ -219,9 +235,7 @@ impl Editor {
         work: impl FnOnce(&mut Session) -> Result<Done, String> + Send + 'static,
     ) {
         if let Some(document) = self.document.take() {
-            let (session, shown) = document.part();
-            self.away = Some(shown);
-            self.work = Some(Work::on_session(ctx.clone(), title, session, move |session, _| work(session)));
+            self.work = Some(Work::on_session(ctx.clone(), title, document, work));
         }
     }
 
@@ -231,8 +245,13 @@ impl Editor {
         } else if changes.hidden {
             self.scenery.replace_surface();
         }
-        if let Some(document) = &mut self.document {
-            let runs = document.follow(changes);
+        let runs = self.document.as_mut().map(|document| document.follow(changes));
+        self.followed(changes, runs.unwrap_or_default());
+    }
+
+    /// What is shown has followed an edit.
+    fn followed(&mut self, changes: &Changes, runs: Vec<Range<u32>>) {
+        if let Some(document) = &self.document {
             self.scenery.moved(runs);
             if changes.masked != Moved::Nothing {
                 self.scenery.masked();
@@ -361,27 +380,32 @@ impl Editor {
                 self.back_to_choices();
                 self.fail(sentence);
             }
-            Outcome::Returned(session, done) => self.take_session(*session, done),
+            Outcome::Returned(returned) => self.take_document(*returned),
         }
     }
 
-    /// Takes back a session, and has what is shown of it follow what was done.
-    fn take_session(&mut self, session: Session, done: Result<Done, String>) {
-        let Some(shown) = self.away.take() else { return };
-        let mut document = Document::joined(session, shown);
-        let mut anew = document.end_preview();
+    /// Takes back a document, and goes on with what was done.
+    fn take_document(&mut self, returned: Returned) {
+        let Returned { mut document, done, previewed, runs } = returned;
         if done.is_err() {
             // Whatever went wrong may have changed something.
             document.show(self.settings.shown);
-            anew = true;
+            self.waiting.clear();
         }
-        self.document = Some(document);
-        if anew {
+        if previewed || done.is_err() {
             self.scenery.replace_surface();
         }
+        self.document = Some(document);
         match done {
             Ok(Done::Changed(Some(changes))) => {
-                self.follow(&changes);
+                if changes.reshaped {
+                    self.follow(&changes);
+                } else {
+                    if changes.hidden {
+                        self.scenery.replace_surface();
+                    }
+                    self.followed(&changes, runs);
+                }
                 if changes.beyond_limit {
                     self.fail(EditError::BeyondLimit.to_string());
                 }

@@ -29,7 +29,7 @@ mod worker;
 
 pub use choices::{ImportChoices, ImportFrom};
 pub use chooser::{FileChooser, Purpose, SystemChooser};
-pub use document::{Document, Target};
+pub use document::{Document, HistoryStep, Target};
 pub use preview::{Facts, Preview, PreviewView};
 pub use settings::{Hand, Navigation, Settings};
 pub use start::{Start, run};
@@ -43,6 +43,7 @@ use egui::Rect;
 use importing::ReadMesh;
 use panels::{Banner, Seen};
 use scenery::{Scenery, Shown};
+use std::collections::VecDeque;
 use std::path::Path;
 use stroking::Trace;
 use tools::{BrushTool, HandleTool};
@@ -60,11 +61,12 @@ const CROWDED: f64 = 12.0;
 /// Edges of a level whose vertices are so far apart, in points, are not drawn at all, and drawn in full.
 const FADING_EDGES: [f64; 2] = [5.0, 16.0];
 
+/// So many undos and redos wait while a worker has the session: a key held down must not go on for long after.
+const MOST_WAITING: usize = 8;
+
 /// The program behind the window.
 pub struct Editor {
     document: Option<Document>,
-    /// What is shown of the surface while a worker has it.
-    away: Option<document::Shown>,
     settings: Settings,
     camera: Camera,
     tool: HandleTool,
@@ -81,6 +83,8 @@ pub struct Editor {
     dialog: Option<Dialog>,
     banner: Option<Banner>,
     work: Option<Work>,
+    /// Undos and redos asked for while a worker has the session.
+    waiting: VecDeque<Command>,
     /// The choices of the conversion under way.
     choosing: Option<ImportChoices>,
     /// A mesh that was read, while its import is being chosen.
@@ -129,7 +133,6 @@ impl Editor {
         theme::apply(context);
         let mut editor = Self {
             document: None,
-            away: None,
             settings: Settings::default(),
             camera: Camera::default(),
             tool: HandleTool::default(),
@@ -144,6 +147,7 @@ impl Editor {
             dialog: None,
             banner: None,
             work: None,
+            waiting: VecDeque::new(),
             choosing: None,
             read: None,
             preview: None,
@@ -378,9 +382,19 @@ impl Editor {
         self.take_outcome();
         self.take_chosen_file();
         let mut commands = Vec::new();
-        if self.dialog.is_none() && self.work.is_none() {
+        if self.dialog.is_none() {
             let keys = shortcuts::shortcuts(&ctx, &self.settings, self.is_dragging()).into_iter();
-            commands.extend(keys.filter(|key| self.preview.is_none() || key.only_looks()));
+            match &self.work {
+                None => {
+                    commands.extend(self.waiting.pop_front());
+                    commands.extend(keys.filter(|key| self.preview.is_none() || key.only_looks()));
+                }
+                Some(work) if work.holds_session => {
+                    let room = MOST_WAITING - self.waiting.len();
+                    self.waiting.extend(keys.filter(Command::goes_through_history).take(room));
+                }
+                Some(_) => {}
+            }
         }
         commands.extend(self.dropped_file(&ctx));
         commands.extend(self.panels(ui));

@@ -184,6 +184,13 @@ impl Settings {
         note
     }
 
+    /// Whether a handle drags the paper's coefficient as it is: neither spread smoothly, nor with detail that follows, nor, for
+    /// a scaling coefficient, in a mirror.
+    pub fn drags_raw(&self) -> bool {
+        let mirrored = self.kind == Kind::Scaling && self.symmetry.contains(&true);
+        self.spread == Spread::Hat && !self.follow && !mirrored
+    }
+
     /// The mirror planes in model units, through a point; none without symmetry.
     pub fn mirror(&self, middle: [f64; 3]) -> Option<Mirror> {
         let at = |axis: usize| self.symmetry[axis].then_some(middle[axis]);

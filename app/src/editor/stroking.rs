@@ -6,7 +6,7 @@ use super::panels::Banner;
 use super::settings::Hand;
 use super::worker::Done;
 use crate::render::BoundingSphere;
-use bozzetto_core::edit::{Dab, Edit, EditError, Falloff, Kind, Move, Pull, Spread, Stroke, Tool};
+use bozzetto_core::edit::{Dab, Edit, EditError, Falloff, Kind, Move, Pull, Stroke, Tool};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::session::SessionError;
 use bozzetto_core::surface::Changes;
@@ -47,16 +47,14 @@ impl Editor {
                 let reach = self.settings.radius * document.sphere().radius;
                 let (radius, falloff) =
                     if reach > 0.0 { (Some(reach), Some(self.settings.falloff)) } else { (None, None) };
-                let follow = self.settings.follow;
-                let raw = self.settings.spread == Spread::Hat && !follow && mirror.is_none();
-                if raw || kind == Kind::Wavelet {
+                if self.settings.drags_raw() {
                     let v = if mirror.is_some() { Move::LATEST_VERSION } else { 1 };
                     let (vertex, delta) = (vertex.0, [0.0; 3]);
                     let edit = Move { kind, level, vertex, delta, radius, falloff, mirror, v };
                     let alone = document.session.begin_stroke(edit);
                     self.say_without_partner(alone)
                 } else {
-                    let edit = Pull { vertex: Some(vertex.0), ..self.pull(level, radius, falloff) };
+                    let edit = Pull { vertex: Some(vertex.0), ..self.pull(kind, level, radius, falloff) };
                     self.begin_pull(edit)
                 }
             }
@@ -65,7 +63,7 @@ impl Editor {
                 let radius = self.settings.brush_radius * document.sphere().radius;
                 let at = Some(document.model_place(place));
                 let level = self.settings.level.0;
-                let edit = Pull { at, ..self.pull(level, Some(radius), None) };
+                let edit = Pull { at, ..self.pull(Kind::Scaling, level, Some(radius), None) };
                 self.begin_pull(edit)
             }
             Command::BeginBrush(Tool::Copy, _) if self.copy_from.is_none() => {
@@ -153,11 +151,13 @@ impl Editor {
         }
     }
 
-    fn pull(&self, level: u8, radius: Option<f64>, falloff: Option<Falloff>) -> Pull {
+    fn pull(&self, kind: Kind, level: u8, radius: Option<f64>, falloff: Option<Falloff>) -> Pull {
         let document = self.document.as_ref();
         let finest = document.map_or(Level::BASE, |d| d.surface().finest());
         let mirror = document.and_then(|d| self.settings.mirror(d.surface().form().placement.origin));
+        let turning = Level(if kind == Kind::Wavelet { level + 1 } else { level });
         Pull {
+            kind,
             level,
             vertex: None,
             at: None,
@@ -165,9 +165,9 @@ impl Editor {
             radius,
             falloff,
             spread: self.settings.spread,
-            follow: self.settings.follow && Level(level) < finest,
+            follow: self.settings.follow && turning < finest,
             mirror,
-            v: Pull::LATEST_VERSION,
+            v: Pull::version_for(kind),
         }
     }
 

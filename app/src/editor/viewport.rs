@@ -223,7 +223,11 @@ impl Picture<'_> {
         if self.settings.hand != Hand::Handle {
             return Some(document.place_at(&hit));
         }
-        let target = document.target_at(&hit, self.settings.kind, self.settings.level);
+        let mut target = document.target_at(&hit, self.settings.kind, self.settings.level);
+        if !self.settings.drags_raw() {
+            // A pull goes as far as its vertex.
+            target.peak = 1.0;
+        }
         let exists = self.settings.shown >= self.settings.level;
         exists.then_some(target)
     }

@@ -1,8 +1,10 @@
 //! Long work away from the window: with progress, Cancel, and panics contained.
 
+use super::document::Document;
 use crate::opening::{MeshSource, Stage};
 use bozzetto_core::session::Session;
 use bozzetto_core::surface::Changes;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -71,10 +73,23 @@ pub(super) enum Outcome {
     },
     /// A mesh was converted.
     Converted(Box<Converted>),
-    /// A session comes back from work on it: what moved, or what went wrong.
-    Returned(Box<Session>, Result<Done, String>),
+    /// A document comes back from work on its session.
+    Returned(Box<Returned>),
     /// Something went wrong; nothing has changed.
     Failed(String),
+}
+
+/// A document after work on its session: what is shown has followed already, unless the surface has other levels.
+#[derive(Debug)]
+pub(super) struct Returned {
+    /// The document.
+    pub document: Document,
+    /// What was done, or what went wrong.
+    pub done: Result<Done, String>,
+    /// Whether another level was shown meanwhile.
+    pub previewed: bool,
+    /// The runs of slots to upload.
+    pub runs: Vec<Range<u32>>,
 }
 
 /// What work on a session did.
@@ -106,10 +121,8 @@ impl Work {
         title: String,
         work: impl FnOnce(&Share) -> Result<Outcome, String> + Send + 'static,
     ) -> Self {
-        Self::start(wake, title, false, move |share| match catch_unwind(AssertUnwindSafe(|| work(share))) {
-            Ok(Ok(outcome)) => outcome,
-            Ok(Err(sentence)) => Outcome::Failed(sentence),
-            Err(panic) => Outcome::Failed(went_wrong(&panic)),
+        Self::start(wake, title, false, move |share| {
+            contained(|| work(share)).unwrap_or_else(Outcome::Failed)
         })
     }
 
@@ -124,17 +137,26 @@ impl Work {
         Self { stages, ..Self::opening(wake, title, outcome) }
     }
 
-    /// Starts work on a session, which comes back whatever happens.
+    /// Starts work on a document's session, which comes back whatever happens. What is shown follows there too.
     pub(super) fn on_session(
         wake: egui::Context,
         title: String,
-        mut session: Session,
-        work: impl FnOnce(&mut Session, &Share) -> Result<Done, String> + Send + 'static,
+        mut document: Document,
+        work: impl FnOnce(&mut Session) -> Result<Done, String> + Send + 'static,
     ) -> Self {
-        Self::start(wake, title, true, move |share| {
-            let done = catch_unwind(AssertUnwindSafe(|| work(&mut session, share)))
-                .unwrap_or_else(|panic| Err(went_wrong(&panic)));
-            Outcome::Returned(Box::new(session), done)
+        Self::start(wake, title, true, move |_| {
+            let mut done = contained(|| work(&mut document.session));
+            let previewed = document.end_preview();
+            let mut runs = Vec::new();
+            if let Ok(Done::Changed(Some(changes))) = &done
+                && !changes.reshaped
+            {
+                match contained(|| Ok(document.follow(changes))) {
+                    Ok(moved) => runs = moved,
+                    Err(sentence) => done = Err(sentence),
+                }
+            }
+            Outcome::Returned(Box::new(Returned { document, done, previewed, runs }))
         })
     }
 
@@ -186,6 +208,11 @@ impl Work {
             }
         }
     }
+}
+
+/// Work whose panics are sentences.
+fn contained<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(went_wrong(&panic)))
 }
 
 fn went_wrong(panic: &Box<dyn std::any::Any + Send>) -> String {

@@ -9,9 +9,9 @@ use crate::surface::{Changes, Moved, Runs, Surface, Vector};
 
 /// How many coefficients of which levels a step changes.
 #[derive(Debug, Clone)]
-struct Sizes {
-    scaling: Option<(Level, usize)>,
-    wavelets: Vec<(Level, usize)>,
+pub(super) struct Sizes {
+    pub(super) scaling: Option<(Level, usize)>,
+    pub(super) wavelets: Vec<(Level, usize)>,
 }
 
 /// An applied edit with what is needed to undo and redo it exactly.
@@ -21,7 +21,7 @@ pub struct Step {
     title: String,
     /// Undone by subtracting the same integers; of the mask, by the values before.
     packed: Packed,
-    sizes: Sizes,
+    pub(super) sizes: Sizes,
     /// For a change of levels: undone first, redone instead of what is packed.
     levels: Option<Before>,
     first_pass: Option<Changes>,
@@ -88,7 +88,7 @@ impl Step {
     /// The step of a stroke that is already in the surface, with the details that followed it.
     pub(crate) fn applied(edit: Edit, plan: Plan, turned: Turned) -> Self {
         let mut deltas = deltas_of_additive(plan);
-        deltas.wavelets.extend(turned);
+        add_turned(&mut deltas, turned);
         Self::new(&edit, &deltas, &[], Changes::default())
     }
 
@@ -101,15 +101,13 @@ impl Step {
     ) -> Result<(Self, Changes), EditError> {
         let finest = surface.finest();
         follow.note(surface, pulled, finest);
-        let scaling = pulled.moved_by(delta);
-        let mut changes = surface.add_scaling(pulled.level, &scaling);
-        let mut wavelets = Vec::new();
+        let mut deltas = pulled.deltas(delta);
+        let mut changes = add_up_to(surface, &deltas, finest, Direction::Forwards, Settling::Coarser);
         if !changes.beyond_limit && delta != [0; 3] {
-            let (turned, turning) = follow.turn(surface, surface.finest());
+            let (turned, turning) = follow.turn(surface, finest);
             changes.join(turning);
-            wavelets = turned;
+            add_turned(&mut deltas, turned);
         }
-        let deltas = Deltas { scaling: Some((pulled.level, scaling)), wavelets, ..Deltas::default() };
         if changes.beyond_limit {
             act(surface, &deltas, &[], Direction::Backwards);
             return Err(EditError::BeyondLimit);
@@ -198,9 +196,16 @@ fn deltas_of(surface: &Surface, plan: Plan) -> Deltas {
     }
 }
 
+/// Joins what followed, coarse to fine.
+fn add_turned(deltas: &mut Deltas, turned: Turned) {
+    deltas.wavelets.extend(turned);
+    deltas.wavelets.sort_by_key(|&(level, _)| level);
+}
+
 fn deltas_of_additive(plan: Plan) -> Deltas {
     let mut deltas = Deltas::default();
     match plan {
+        Plan::Pulled(of_pull) => deltas = of_pull,
         Plan::Scaling(level, mut of_level) => {
             of_level.sort_unstable_by_key(|&(slot, _)| slot);
             deltas.scaling = Some((level, of_level));
@@ -221,19 +226,35 @@ fn reshaped_changes(surface: &Surface) -> Changes {
 
 /// What a pull may move up to a level: the changes of a trial, taken back again.
 pub(super) fn trial_of(surface: &mut Surface, pulled: &Pulled, reach: Level) -> Changes {
-    let mut there = pulled.moved_by([TRIAL; 3]);
-    let changes = surface.add_scaling_up_to(pulled.level, &there, reach);
-    there.iter_mut().for_each(|(_, delta)| *delta = delta.map(i32::wrapping_neg));
-    surface.add_scaling_up_to(pulled.level, &there, reach);
+    let mut there = pulled.deltas([TRIAL; 3]);
+    let mut add = |deltas: &Deltas| {
+        let mut changes = Changes::nothing(surface);
+        if let Some((level, scaling)) = &deltas.scaling {
+            changes.join(surface.add_scaling_up_to(*level, scaling, reach));
+        }
+        // Level by level, so that no more is said to move than does.
+        for (level, details) in &deltas.wavelets {
+            changes.join(surface.add_wavelets_up_to(*level, details, reach));
+        }
+        changes
+    };
+    let changes = add(&there);
+    let scaling = there.scaling.iter_mut().flat_map(|(_, deltas)| deltas.iter_mut().map(|(_, v)| v));
+    let details = there.wavelets.iter_mut().flat_map(|(_, deltas)| deltas.iter_mut().map(|(_, v)| v));
+    scaling.chain(details).for_each(|v| *v = v.map(i32::wrapping_neg));
+    add(&there);
     changes
 }
 
 /// Steps of a trial: far enough that no weight that matters rounds to nothing.
 const TRIAL: i32 = 1 << 22;
 
-#[derive(Clone, Copy, PartialEq)]
-enum Direction {
+/// Which way a step is gone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Direction {
+    /// As it was made, and redone.
     Forwards,
+    /// Undone.
     Backwards,
 }
 
@@ -246,24 +267,50 @@ fn negated(deltas: Vec<(Level, Vec<(Odd, Vector)>)>) -> Vec<(Level, Vec<(Odd, Ve
     deltas.into_iter().map(|(level, d)| (level, turned(&d, Direction::Backwards))).collect()
 }
 
-/// Scaling coefficients first, then wavelets from coarse to fine; backwards the other way round.
-fn act(surface: &mut Surface, deltas: &Deltas, mask: &[MaskChange], direction: Direction) -> Changes {
+/// Which levels coarser than scaling coefficients follow them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Settling {
+    /// None: they are read again only when the coefficients are back.
+    Nothing,
+    /// All.
+    Coarser,
+}
+
+/// Scaling coefficients first, then wavelets from coarse to fine; backwards the other way round. Levels finer than `reach`
+/// stay as they are.
+pub(super) fn add_up_to(
+    surface: &mut Surface,
+    deltas: &Deltas,
+    reach: Level,
+    direction: Direction,
+    settling: Settling,
+) -> Changes {
     let mut changes = Changes::nothing(surface);
     let add_scaling = |surface: &mut Surface, changes: &mut Changes| {
         if let Some((level, deltas)) = &deltas.scaling {
-            changes.join(surface.add_scaling(*level, &turned(deltas, direction)));
+            let deltas = turned(deltas, direction);
+            changes.join(match settling {
+                Settling::Nothing => surface.raise_up_to(*level, &deltas, reach),
+                Settling::Coarser => surface.add_scaling_up_to(*level, &deltas, reach),
+            });
         }
     };
     match direction {
         Direction::Forwards => {
             add_scaling(surface, &mut changes);
-            changes.join(surface.add_details(&deltas.wavelets));
+            changes.join(surface.add_details_up_to(&deltas.wavelets, reach));
         }
         Direction::Backwards => {
-            changes.join(surface.add_details(&negated(deltas.wavelets.clone())));
+            changes.join(surface.add_details_up_to(&negated(deltas.wavelets.clone()), reach));
             add_scaling(surface, &mut changes);
         }
     }
+    changes
+}
+
+/// All that a step does, or takes back.
+fn act(surface: &mut Surface, deltas: &Deltas, mask: &[MaskChange], direction: Direction) -> Changes {
+    let mut changes = add_up_to(surface, deltas, surface.finest(), direction, Settling::Coarser);
     let len = surface.scaling(surface.finest()).len();
     for &(slot, before, after) in mask {
         let value = if direction == Direction::Forwards { after } else { before };

@@ -110,17 +110,8 @@ impl Packed {
         let bytes = self.bytes.lock().expect("nobody panics while holding it").read()?;
         let mut plain = Vec::new();
         opened(&bytes).read_to_end(&mut plain)?;
-        let mut input = In(plain.iter());
-        let words = input.number() as usize;
-        let mut input = In(input.0.as_slice()[words..].iter());
-        let level = Level(input.number() as u8);
-        let scaling: Vec<(Slot, Vector)> = input.vectors().map(|(at, v)| (Slot(at), v)).collect();
-        let wavelets = (0..input.number())
-            .map(|_| {
-                let level = Level(input.number() as u8);
-                (level, input.vectors().map(|(at, v)| (Odd(at), v)).collect())
-            })
-            .collect();
+        let mut input = In(plain.iter().copied());
+        let mut deltas = input.deltas(u64::MAX);
         let mut last = 0;
         let mask = (0..input.number())
             .map(|_| {
@@ -136,8 +127,19 @@ impl Packed {
                 Slot(last)
             })
             .collect();
-        let scaling = (!scaling.is_empty()).then_some((level, scaling));
-        Ok((Deltas { scaling, wavelets, hidden }, mask))
+        deltas.hidden = hidden;
+        Ok((deltas, mask))
+    }
+
+    /// Unpacks what the first so many levels of wavelets and the scaling coefficients get, and nothing after them. Linear in
+    /// that.
+    ///
+    /// # Errors
+    /// The bytes were moved elsewhere and cannot be read.
+    pub fn unpack_first(&self, levels: usize) -> std::io::Result<Deltas> {
+        let bytes = self.bytes.lock().expect("nobody panics while holding it").read()?;
+        let plain = std::io::BufReader::new(opened(&bytes)).bytes();
+        Ok(In(plain.map_while(Result::ok)).deltas(levels as u64))
     }
 
     /// The edit's words.
@@ -245,12 +247,30 @@ impl Out {
     }
 }
 
-struct In<'a>(std::slice::Iter<'a, u8>);
+struct In<I>(I);
 
-impl In<'_> {
+impl<I: Iterator<Item = u8>> In<I> {
+    /// The words passed over, scaling coefficients and the first so many levels of wavelets.
+    fn deltas(&mut self, levels: u64) -> Deltas {
+        let words = self.number() as usize;
+        if let Some(last) = words.checked_sub(1) {
+            self.0.nth(last);
+        }
+        let level = Level(self.number() as u8);
+        let scaling: Vec<(Slot, Vector)> = self.vectors().map(|(at, v)| (Slot(at), v)).collect();
+        let wavelets = (0..self.number().min(levels))
+            .map(|_| {
+                let level = Level(self.number() as u8);
+                (level, self.vectors().map(|(at, v)| (Odd(at), v)).collect())
+            })
+            .collect();
+        let scaling = (!scaling.is_empty()).then_some((level, scaling));
+        Deltas { scaling, wavelets, hidden: Vec::new() }
+    }
+
     fn number(&mut self) -> u64 {
         let (mut x, mut shift) = (0, 0);
-        for &byte in self.0.by_ref() {
+        for byte in self.0.by_ref() {
             x |= u64::from(byte & 0x7f) << shift;
             shift += 7;
             if byte < 0x80 {
@@ -311,6 +331,11 @@ mod tests {
         assert_eq!(packed.words().expect("in memory"), b"some words");
         let (back, mut mask_back) = packed.unpack().expect("in memory");
         assert_eq!(back, deltas);
+        for levels in 0..=2 {
+            let first = packed.unpack_first(levels).expect("in memory");
+            assert_eq!(first.scaling, deltas.scaling);
+            assert_eq!((first.wavelets.as_slice(), first.hidden.len()), (&deltas.wavelets[..levels], 0));
+        }
         mask_back.reverse();
         assert_eq!(mask_back, mask);
         let size = packed.handle().lock().expect("free").in_memory();

@@ -17,7 +17,7 @@ pub enum Region {
     Scaling(Level, Vec<(Slot, Weights)>),
     /// Wavelet coefficients of a level.
     Wavelets(Level, Vec<(Odd, Weights)>),
-    /// Scaling coefficients of a pull.
+    /// What a pull reaches.
     Pulled(Pulled),
 }
 
@@ -72,7 +72,7 @@ impl Region {
         match self {
             Region::Scaling(level, region) => Plan::Scaling(*level, added(region, [[0; 3], delta])),
             Region::Wavelets(level, region) => Plan::Wavelets(*level, added(region, [[0; 3], delta])),
-            Region::Pulled(pulled) => Plan::Scaling(pulled.level, pulled.moved_by(delta)),
+            Region::Pulled(pulled) => Plan::Pulled(pulled.deltas(delta)),
         }
     }
 }

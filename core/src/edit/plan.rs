@@ -1,6 +1,7 @@
 //! Planning: from an edit in model units to integers, with every reason to refuse found before anything changes.
 
 use super::brush_stroke::BrushStroke;
+use super::deltas::Deltas;
 use super::equalise::plan_equalise;
 use super::follow::Follow;
 use super::hide::plan_hide;
@@ -55,6 +56,14 @@ pub enum EditError {
     /// A mirrored move of the version that knows no mirrors.
     #[error("a \"mirror\" needs version 2 of the move: add \"v\":2")]
     MirrorVersion,
+    /// A pull of wavelets of a version that knows none.
+    #[error("a pull of \"kind\" wavelet needs version 3: add \"v\":3")]
+    WaveletVersion,
+    /// A pull of wavelets by a place.
+    #[error(
+        "a pull of \"kind\" wavelet needs the \"vertex\" that it holds, and no place \"at\" which it holds the surface"
+    )]
+    WaveletHold,
     /// A falloff without a radius.
     #[error("a falloff needs a radius")]
     FalloffWithoutRadius,
@@ -99,6 +108,8 @@ pub enum Plan {
     Scaling(Level, Vec<(Slot, Vector)>),
     /// Additions to `d^j`.
     Wavelets(Level, Vec<(Odd, Vector)>),
+    /// Additions to coefficients of several levels.
+    Pulled(Deltas),
     /// All of `d^j` anew, for some levels, coarse to fine.
     Details(Vec<(Level, Vec<Vector>)>),
     /// Another hierarchy.
@@ -145,7 +156,7 @@ fn plan_pull(surface: &Surface, edit: &Pull) -> Result<Plan, EditError> {
     Ok(if edit.follow {
         Plan::Follow(Follow::new(Level(edit.level), edit.v), pulled, delta)
     } else {
-        Plan::Scaling(pulled.level, pulled.moved_by(delta))
+        Plan::Pulled(pulled.deltas(delta))
     })
 }
 

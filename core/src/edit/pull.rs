@@ -10,7 +10,7 @@ use super::spread::{SMOOTH_LEVELS, Weights, refined};
 use super::stroke::Mirror;
 use super::vocabulary::{Falloff, Kind, first, is_first};
 use super::weighted::weighted_steps;
-use crate::hierarchy::{Address, Level, PublicId, Site, Slot};
+use crate::hierarchy::{Address, Level, Odd, PublicId, Site, Slot};
 use crate::surface::{Marks, Surface};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -30,6 +30,9 @@ pub enum Spread {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pull {
+    /// Scaling or, from version 3 on, wavelet coefficients: form of a level, or detail while the coarser form stays.
+    #[serde(default = "scaling", skip_serializing_if = "is_scaling")]
+    pub kind: Kind,
     /// The level of the coefficients.
     pub level: u8,
     /// The vertex pulled, by its public id; else a place.
@@ -62,7 +65,23 @@ pub struct Pull {
 
 impl Pull {
     /// The newest version of what it does; older ones replay as they did.
-    pub const LATEST_VERSION: u32 = 2;
+    pub const LATEST_VERSION: u32 = 3;
+
+    /// The oldest version that does all that the newest does with coefficients of a kind, for lines that older programs read.
+    pub fn version_for(kind: Kind) -> u32 {
+        match kind {
+            Kind::Scaling => 2,
+            Kind::Wavelet => 3,
+        }
+    }
+}
+
+fn scaling() -> Kind {
+    Kind::Scaling
+}
+
+fn is_scaling(kind: &Kind) -> bool {
+    *kind == Kind::Scaling
 }
 
 fn is_smooth(spread: &Spread) -> bool {
@@ -76,19 +95,26 @@ fn is_false(flag: &bool) -> bool {
 impl fmt::Display for Pull {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.vertex {
+            Some(vertex) if self.kind == Kind::Wavelet => {
+                write!(f, "Pull wavelet {vertex} at level {}", self.level)
+            }
             Some(vertex) => write!(f, "Pull {vertex} at level {}", self.level),
             None => write!(f, "Grab at level {}", self.level),
         }
     }
 }
 
-/// What a pull reaches: vertices of the level that carries it, with their share of each component of the delta.
+/// What a pull reaches: vertices of the level that carries it, or wavelet coefficients, with their share of each component of
+/// the delta.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pulled {
-    /// The level whose vertices move: the pull's own for hats, a finer one for the smooth spread.
+    /// The coarsest level whose vertices move by themselves: the pull's own for hats, a finer one for the smooth spread, the next
+    /// finer one for wavelets.
     pub level: Level,
-    /// Sorted by slot.
+    /// Sorted by slot; none for wavelets.
     pub weights: Vec<(Slot, Weights)>,
+    /// Wavelet coefficients of several levels, coarse to fine, sorted by odd vertex; none for scaling coefficients.
+    pub details: Vec<(Level, Vec<(Odd, Weights)>)>,
     /// Mirror images of a single raw coefficient that no vertex of the level is near enough to.
     pub without_partner: usize,
 }
@@ -110,6 +136,9 @@ impl Pulled {
     pub fn of(surface: &Surface, pull: &Pull) -> Result<Self, EditError> {
         if !(1..=Pull::LATEST_VERSION).contains(&pull.v) {
             return Err(EditError::UnknownVersion { version: pull.v });
+        }
+        if pull.kind == Kind::Wavelet {
+            return Self::of_wavelets(surface, pull);
         }
         let level = existing_level(surface, Kind::Scaling, pull.level)?;
         let mirror = pull.mirror.unwrap_or_default();
@@ -171,10 +200,10 @@ impl Pulled {
             let freedom = surface.freedom(carrier, *slot);
             *w = w.map(|x| x * scale * freedom);
         }
-        Ok(Self { level: carrier, weights, without_partner })
+        Ok(Self { level: carrier, weights, details: Vec::new(), without_partner })
     }
 
-    /// The integers that a delta, in steps, adds: each weight times the delta, rounded once.
+    /// The integers that a delta, in steps, adds to scaling coefficients: each weight times the delta, rounded once.
     pub fn moved_by(&self, delta: [i32; 3]) -> Vec<(Slot, [i32; 3])> {
         let weights: Vec<Weights> = self.weights.iter().map(|&(_, w)| w).collect();
         let mut steps = Vec::new();

@@ -8,6 +8,7 @@
 mod attic;
 mod brush;
 mod equalise;
+mod glimpse;
 mod open;
 mod replay;
 mod stroke;
@@ -17,7 +18,7 @@ pub use open::{LogUse, OpenOptions, Opened, open_model};
 pub use replay::{ReplayError, ReplayReason, effective};
 
 use crate::disk::Vfs;
-use crate::edit::{BrushStroke, Edit, EditError, Entry, Equaliser, Line, Step};
+use crate::edit::{BrushStroke, Edit, EditError, Entry, Equaliser, Glimpse, Line, Step};
 use crate::file::{
     FileError, Journal, Metadata, Model, NumberedLine, decode, encode, lock, log_path, write_log,
 };
@@ -81,6 +82,8 @@ pub struct Session {
     stroke: Option<Stroke>,
     brush: Option<BrushStroke>,
     equaliser: Option<Equaliser>,
+    /// A step shown on coarse levels before it is made.
+    glimpse: Option<Glimpse>,
     /// The model's source indices, which hold as long as the levels are those of the file.
     source: Option<Arc<Vec<u32>>>,
     history_failure: Option<String>,
@@ -117,6 +120,7 @@ impl Session {
             stroke: None,
             brush: None,
             equaliser: None,
+            glimpse: None,
             source,
             history_failure: None,
         }

@@ -222,6 +222,7 @@ impl Session {
             stroke: None,
             brush: None,
             equaliser: None,
+            glimpse: None,
             source,
             history_failure: None,
             attic,

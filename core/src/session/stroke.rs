@@ -130,6 +130,9 @@ impl Stroke {
     fn add(&mut self, surface: &mut Surface, old: Vector, new: Vector) -> Changes {
         let level = match &self.region {
             Region::Scaling(level, _) => *level,
+            Region::Pulled(pulled) if !pulled.details.is_empty() => {
+                return surface.add_details_up_to(&pulled.details_between([old, new]), self.reach);
+            }
             Region::Pulled(pulled) => pulled.level,
             Region::Wavelets(level, region) => {
                 return surface.add_wavelets_up_to(*level, &added(region, [old, new]), self.reach);
@@ -261,8 +264,8 @@ impl Session {
         self.stroke.as_ref().map(|stroke| stroke.affordable(&self.model.surface))
     }
 
-    /// Whether ending the stroke under way takes longer than a tenth of a second, because levels that waited are many vertices:
-    /// more than 2^20, or 2^16 where detail follows too.
+    /// Whether ending the stroke under way is felt, because levels that waited are many vertices: more than 2^18, some 20 ms, or
+    /// 2^16 where detail follows too, some 100 ms.
     pub fn ends_slowly(&self) -> bool {
         self.stroke.as_ref().is_some_and(|stroke| stroke.ends_slowly(&self.model.surface))
     }
@@ -280,6 +283,9 @@ impl Session {
     /// a level that had not followed would leave the range of coordinates, the stroke is taken back instead and the
     /// changes say `beyond_limit`.
     pub fn end_stroke(&mut self) -> Changes {
+        if self.glimpse.is_some() {
+            return self.end_glimpse();
+        }
         if let Some(brush) = self.brush.take() {
             return self.end_brush(brush);
         }
@@ -309,6 +315,9 @@ impl Session {
 
     /// Takes the stroke back, bit for bit.
     pub fn cancel_stroke(&mut self) -> Changes {
+        if self.glimpse.is_some() {
+            return self.end_glimpse();
+        }
         if let Some(brush) = self.brush.take() {
             return brush.cancel(&mut self.model.surface);
         }

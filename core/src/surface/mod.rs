@@ -5,6 +5,7 @@
 //! that after an edit only the support has changed, to the bit, and that adding the negated integers undoes it. It
 //! does *not* check that an edit is sensible; that is [`crate::edit`]'s business.
 
+mod ball;
 mod bounds;
 mod changes;
 mod digest;

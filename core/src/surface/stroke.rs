@@ -13,8 +13,13 @@ impl Surface {
     /// Adds to `c^j` and everything finer in the support, leaving what is coarser as it was. Slots must differ. Cost: the
     /// support. The surface is whole again after [`Surface::settle`].
     pub(crate) fn raise(&mut self, level: Level, deltas: &[(Slot, Vector)]) -> Changes {
+        self.raise_up_to(level, deltas, self.finest())
+    }
+
+    /// [`Surface::raise`] without the levels finer than `reach`, as [`Surface::raise_runs`].
+    pub(crate) fn raise_up_to(&mut self, level: Level, deltas: &[(Slot, Vector)], reach: Level) -> Changes {
         let (runs, steps) = in_order(deltas);
-        self.raise_runs(level, (&runs, &steps), self.finest())
+        self.raise_runs(level, (&runs, &steps), reach)
     }
 
     /// [`Surface::raise`] slot by slot over runs of them, and without the levels finer than `reach`, which stay as they

@@ -11,13 +11,9 @@ use rayon::prelude::*;
 const WHOLE_FROM: usize = 32;
 
 impl Surface {
-    /// Adds to wavelet coefficients of several levels. The bits are those of [`Surface::add_wavelets`] level by level;
-    /// many changes re-synthesise whole levels. Odd vertices of a level must differ. Cost: the support, `O(n_J)` at most.
-    pub(crate) fn add_details(&mut self, deltas: &[(Level, Vec<(Odd, Vector)>)]) -> Changes {
-        self.add_details_up_to(deltas, self.finest())
-    }
-
-    /// [`Surface::add_details`] without the levels finer than `reach`, which stay as they were.
+    /// Adds to wavelet coefficients of several levels, without the levels finer than `reach`, which stay as they were. The bits
+    /// are those of [`Surface::add_wavelets`] level by level; many changes re-synthesise whole levels. Odd vertices of a level
+    /// must differ. Cost: the support, `O(n_J)` at most.
     pub(crate) fn add_details_up_to(
         &mut self,
         deltas: &[(Level, Vec<(Odd, Vector)>)],

@@ -5,9 +5,9 @@
 
 use bozzetto_core::edit::{Edit, Falloff, Gain, Kind, Move, Stroke, Tool};
 use bozzetto_core::file::{Metadata, Model};
-use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level, Slot};
-use bozzetto_core::mesh::{TriangleMesh, shapes};
-use bozzetto_core::surface::{Form, FormOptions, Placement, Surface, UpAxis, Vector};
+use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level};
+use bozzetto_core::mesh::TriangleMesh;
+use bozzetto_core::surface::{Form, Placement, Surface, UpAxis, Vector};
 use bozzetto_core::wavelet::{Scheme, Wavelet};
 use std::sync::Arc;
 
@@ -67,26 +67,7 @@ pub(crate) fn surface(mesh: &TriangleMesh, wavelet: Wavelet, sharp: usize, fines
 
 /// A ball with bumps, its poles on the y axis, mirrored to itself by every axis plane.
 pub(crate) fn ball(levels: u8) -> Surface {
-    ball_of_radius(levels, |[x, _, z]| 1.0 + 0.02 * (40.0 * x.abs()).sin() * (40.0 * z.abs()).sin())
-}
-
-/// A ball over an octahedron whose radius is a function of the direction.
-pub(crate) fn ball_of_radius(levels: u8, radius: impl Fn([f64; 3]) -> f64) -> Surface {
-    let mesh = shapes::octahedron();
-    let base = Arc::new(BaseMesh::new(6, mesh.faces.clone(), &[]).expect("a base mesh"));
-    let hierarchy = Hierarchy::new(base, Level(levels)).expect("small");
-    let layout = hierarchy.layout(Level(levels));
-    let positions: Vec<[f64; 3]> = (0..layout.len())
-        .map(|slot| {
-            let (face, b) = layout.chart(layout.site(Slot(slot)));
-            let corners = hierarchy.base().faces()[face as usize].map(|v| mesh.positions[v as usize]);
-            let p: [f64; 3] = std::array::from_fn(|c| (0..3).map(|k| f64::from(b[k]) * corners[k][c]).sum());
-            let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let radius = radius(p.map(|x| x / length));
-            p.map(|x| x / length * radius)
-        })
-        .collect();
-    Surface::from_positions(hierarchy, &positions, &FormOptions::default()).expect("a ball")
+    Surface::ball(levels, |[x, _, z]| 1.0 + 0.02 * (40.0 * x.abs()).sin() * (40.0 * z.abs()).sin())
 }
 
 /// A [`surface`] as the content of a file, with metadata and a source map.

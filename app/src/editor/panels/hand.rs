@@ -60,8 +60,8 @@ pub(super) fn hand(ui: &mut egui::Ui, settings: &Settings, surface: &Surface, co
         ui.horizontal(|ui| {
             tighten(ui);
             for (spread, name, tip) in [
-                (Spread::Smooth, "Smooth bend", "Finer levels bend smoothly"),
-                (Spread::Hat, "Raw", "The coefficient as it is: a tent"),
+                (Spread::Smooth, "Smooth bend", "Finer levels bend smoothly; detail is a smooth bump"),
+                (Spread::Hat, "Raw", "The coefficient as it is: a tent, or the paper's wavelet"),
             ] {
                 if ui.selectable_label(settings.spread == spread, name).on_hover_text(tip).clicked() {
                     commands.push(Command::SetSpread(spread));

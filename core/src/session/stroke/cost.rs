@@ -10,8 +10,8 @@ const MOST_MOVED: u64 = 1 << 18;
 /// Vertices that a step may move where detail is turned back and anew: some 10 ms on one core.
 const MOST_FOLLOWED: u64 = 1 << 14;
 
-/// Vertices that the end may make in a tenth of a second, and where detail follows.
-const MOST_ENDED: u64 = 1 << 20;
+/// Vertices that the end may make in the window: some 20 ms, and where detail follows, a tenth of a second.
+const MOST_ENDED: u64 = 1 << 18;
 const MOST_ENDED_FOLLOWED: u64 = 1 << 16;
 
 impl Stroke {
@@ -36,6 +36,13 @@ impl Stroke {
     fn moved_at(&self, surface: &Surface, level: Level) -> u64 {
         match &self.region {
             Region::Wavelets(of, region) => extent::of_wavelets(surface, *of, region.len() as u64, level),
+            Region::Pulled(pulled) if !pulled.details.is_empty() => {
+                // One level after another is climbed from, or all anew.
+                let coarser = pulled.details.iter().filter(|(of, _)| *of < level);
+                coarser
+                    .map(|(of, region)| extent::of_wavelets(surface, *of, region.len() as u64, level))
+                    .sum()
+            }
             _ => extent::of_hats(surface, self.home, self.weights.len() as u64, level),
         }
     }
@@ -48,25 +55,11 @@ mod tests {
     use crate::disk::Disk;
     use crate::edit::{Kind, Move, Pull, Spread};
     use crate::file::{Metadata, Model};
-    use crate::hierarchy::{BaseMesh, Hierarchy};
-    use crate::mesh::shapes;
-    use crate::surface::{Changes, FormOptions, Moved};
+    use crate::surface::{Changes, Moved};
     use std::sync::Arc;
 
-    fn bumpy_octahedron(levels: u8) -> Session {
-        let mesh = shapes::octahedron();
-        let base = Arc::new(BaseMesh::new(6, mesh.faces.clone(), &[]).expect("a base mesh"));
-        let hierarchy = Hierarchy::new(base, Level(levels)).expect("fits");
-        let layout = hierarchy.layout(Level(levels));
-        let places: Vec<[f64; 3]> = (0..layout.len())
-            .map(|slot| {
-                let (face, b) = layout.chart(layout.site(crate::hierarchy::Slot(slot)));
-                let corners = hierarchy.base().faces()[face as usize].map(|v| mesh.positions[v as usize]);
-                let raised = 1.0 + 0.002 * (f64::from(slot * 37 % 19) - 9.0);
-                std::array::from_fn(|c| (0..3).map(|k| f64::from(b[k]) * corners[k][c]).sum::<f64>() * raised)
-            })
-            .collect();
-        let surface = Surface::from_positions(hierarchy, &places, &FormOptions::default()).expect("small");
+    fn bumpy_ball(levels: u8) -> Session {
+        let surface = Surface::ball(levels, |[x, y, z]| 1.0 + 0.02 * (37.0 * x - 19.0 * y + 23.0 * z).sin());
         Session::new(Arc::new(Disk), Model::new(surface, None, Metadata::default()))
     }
 
@@ -81,7 +74,7 @@ mod tests {
     /// What is told before a drag is what moves, or within a factor of three of it, on every level from the home on.
     #[test]
     fn what_moves_is_told_before() {
-        let mut session = bumpy_octahedron(6);
+        let mut session = bumpy_ball(6);
         for kind in [Kind::Scaling, Kind::Wavelet] {
             for (level, radius) in [(0, None), (2, None), (2, Some(0.6)), (3, None), (3, Some(0.4))] {
                 let vertex = session.surface().hierarchy().layout(Level(level)).len()
@@ -110,6 +103,7 @@ mod tests {
     #[test]
     fn a_large_drag_is_made_on_a_coarser_level_and_ends_on_all() {
         let pull = Pull {
+            kind: Kind::Scaling,
             level: 0,
             vertex: Some(2),
             at: None,
@@ -121,7 +115,7 @@ mod tests {
             mirror: None,
             v: 1,
         };
-        let mut session = bumpy_octahedron(7);
+        let mut session = bumpy_ball(7);
         session.begin_pull(pull).expect("it exists");
         let finest = session.surface().finest();
         let reach = session.affordable_reach().expect("a stroke is under way");
@@ -131,7 +125,7 @@ mod tests {
         assert_ne!(*changes.at(reach), Moved::Nothing);
         assert_eq!(*changes.at(finest), Moved::Nothing, "the finest level waits");
         session.end_stroke();
-        let mut whole = bumpy_octahedron(7);
+        let mut whole = bumpy_ball(7);
         whole.begin_pull(pull).expect("it exists");
         whole.drag_to([0.2, 0.1, 0.0]).expect("in range");
         whole.end_stroke();
