@@ -38,23 +38,39 @@ pub(super) fn bends(
     curves: Curves,
 ) -> Vec<Vector> {
     let coarse = hierarchy.layout(level);
+    let n = coarse.segments() as usize;
+    let mut bends = vec![[0; 3]; coarse.odd_len() as usize];
+    let (on_edges, mut rest) = bends.split_at_mut(n * coarse.base().edges().len());
+    let inside = (0..coarse.base().faces().len())
+        .map(|_| rest.split_off_mut(..3 * n * (n - 1) / 2).expect("every face has as many"))
+        .collect();
+    let copy = |left: &mut &mut [Vector], _, row: &[Vector]| {
+        left.split_off_mut(..row.len()).expect("as many as odd vertices").copy_from_slice(row);
+    };
+    on_edges.copy_from_slice(&by_rows(hierarchy, level, (positions, curves), inside, copy));
+    bends
+}
+
+/// Gives the bends inside each face to what is there for the face, row after row of `M^{j+1}`: rows of even number have
+/// odd vertices at every other place, the others at all. Returns those on base edges, n an edge from its low end. `O(n_j)`,
+/// in parallel over faces.
+pub(super) fn by_rows<T: Send>(
+    hierarchy: &Hierarchy,
+    level: Level,
+    (positions, curves): (&[Vector], Curves),
+    faces: Vec<T>,
+    take: impl Fn(&mut T, usize, &[Vector]) + Sync,
+) -> Vec<Vector> {
+    let coarse = hierarchy.layout(level);
     let (base, n) = (coarse.base(), coarse.segments() as usize);
     let crossed = across_base_edges(coarse, positions, curves);
-    let mut bends = vec![[0; 3]; coarse.odd_len() as usize];
     let mut beside = vec![[0; 3]; 3 * n * base.faces().len()];
-    let (on_edges, mut inside) = bends.split_at_mut(n * base.edges().len());
-    let mut faces = Vec::with_capacity(base.faces().len());
-    for (face, beside) in beside.chunks_mut(3 * n).enumerate() {
-        let (own, rest) = inside.split_at_mut(3 * n * (n - 1) / 2);
-        faces.push((face as u32, own, beside));
-        inside = rest;
-    }
-    faces.into_par_iter().with_min_len(1024 / (n * n) + 1).for_each_init(
-        Rows::default,
-        |rows, (face, own, beside)| {
-            rows.of_face(&Face { coarse, positions, crossed: &crossed, face }, own, beside);
-        },
-    );
+    let tasks = faces.into_par_iter().zip(beside.par_chunks_mut(3 * n)).enumerate();
+    tasks.with_min_len(1024 / (n * n) + 1).for_each_init(Rows::default, |rows, (face, (mut inside, beside))| {
+        let face = Face { coarse, positions, crossed: &crossed, face: face as u32 };
+        rows.of_face(&face, beside, |row, bends| take(&mut inside, row, bends));
+    });
+    let mut on_edges = vec![[0; 3]; n * base.edges().len()];
     for (edge, on_edge) in on_edges.chunks_mut(n).enumerate() {
         let edge = edge as u32;
         if curves == Curves::Kept && curves.hold(base, edge) {
@@ -71,7 +87,7 @@ pub(super) fn bends(
         }
         on_edge.iter_mut().for_each(|sum| *sum = sixteenth(*sum));
     }
-    bends
+    on_edges
 }
 
 /// `−1/16` of a sum, rounded.
@@ -190,14 +206,17 @@ struct Rows {
     down: Vec<Vector>,
     up_below: Vec<Vector>,
     down_below: Vec<Vector>,
+    /// What is handed on.
+    bends: Vec<Vector>,
 }
 
 impl Rows {
-    /// The bends inside a face; and of the odd vertices on its sides what this face has of their sums, n a side.
-    fn of_face(&mut self, face: &Face, own: &mut [Vector], beside: &mut [Vector]) {
+    /// Calls back with the bends inside a face, row after row; and of the odd vertices on its sides writes what this face has of
+    /// their sums, n a side.
+    fn of_face(&mut self, face: &Face, beside: &mut [Vector], mut take: impl FnMut(usize, &[Vector])) {
         let n = face.coarse.segments() as usize;
         let [first, second, third] = [0, 1, 2].map(|k| face.side(k));
-        let Self { positions, slots, along, along_above, up, down, up_below, down_below } = self;
+        let Self { positions, slots, along, along_above, up, down, up_below, down_below, bends } = self;
         (0..2).for_each(|r| face.read(r as u32, slots, &mut positions[r]));
         along.clear();
         along.extend((0..n).map(first));
@@ -219,17 +238,19 @@ impl Rows {
             down.push(second(r));
 
             if r > 0 {
-                let start = face.coarse.odd_row_start(2 * r as u32) as usize;
-                for (i, bend) in own[start..start + len].iter_mut().enumerate() {
-                    *bend = sixteenth(plus(plus(up[i], down[i]), plus(down_below[i], up_below[i + 1])));
-                }
+                bends.clear();
+                bends.extend((0..len).map(|i| {
+                    sixteenth(plus(plus(up[i], down[i]), plus(down_below[i], up_below[i + 1])))
+                }));
+                take(2 * r, bends);
             }
             if len > 1 {
-                let start = face.coarse.odd_row_start(2 * r as u32 + 1) as usize;
-                for (i, pair) in own[start..start + 2 * (len - 1)].chunks_mut(2).enumerate() {
+                bends.resize(2 * (len - 1), [0; 3]);
+                for (i, pair) in bends.chunks_mut(2).enumerate() {
                     pair[0] = sixteenth(plus(plus(along[i], up[i]), plus(along_above[i], up[i + 1])));
                     pair[1] = sixteenth(plus(plus(along[i + 1], down[i + 1]), plus(along_above[i], down[i])));
                 }
+                take(2 * r + 1, bends);
             }
             if r == 0 {
                 (0..n).for_each(|i| beside[i] = plus(up[i], down[i]));

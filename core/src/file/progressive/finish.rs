@@ -47,6 +47,7 @@ impl Default for Models {
 pub(super) struct Parts<'a> {
     pub(super) coarse: &'a Layout,
     pub(super) fine: &'a Layout,
+    /// Empty where all are zero and nobody will ask.
     pub(super) known: &'a mut [Vector],
     /// How far components are from their predictions; at first all zero.
     pub(super) residuals: &'a mut [Vector],
@@ -96,7 +97,7 @@ fn vertex<C: Coder>(coder: &mut C, models: &mut Models, level: &mut Parts, place
             }
         }
     }
-    let mut value = level.known[place.slot as usize];
+    let mut value = level.known.get(place.slot as usize).copied().unwrap_or_default();
     let mut residual = [0i32; 3];
     for c in 0..3 {
         let class = c.min(1);
@@ -119,7 +120,9 @@ fn vertex<C: Coder>(coder: &mut C, models: &mut Models, level: &mut Parts, place
     if coder.is_exhausted() {
         return Err(place.odd);
     }
-    level.known[place.slot as usize] = value;
+    if let Some(known) = level.known.get_mut(place.slot as usize) {
+        *known = value;
+    }
     level.residuals[place.slot as usize] = residual;
     Ok(())
 }

@@ -6,6 +6,7 @@
 mod base;
 mod borders;
 mod choice;
+mod details;
 mod errors;
 
 use self::base::Known;
@@ -13,19 +14,18 @@ pub(in crate::file) use self::borders::{Border, Encoded};
 use self::borders::{filled, measured_after};
 pub(in crate::file) use self::choice::Granularity;
 use self::choice::{Choice, coarsest, last_plane};
+use self::details::{Below, Details};
 use self::errors::Ruler;
 use super::butterfly::{Curves, bends};
 use super::finish::{self, finish};
-use super::frames::{Frame, frames};
+use super::frames::frames;
 use super::planes::{Block, CLASSES, Level as Planes, Models, code};
 use super::range_coder::{Coder, Decoder, Encoder, Model};
 use super::transform::{Coded, Coding, Transform};
-use super::visit::of_odds;
 use crate::hierarchy::{Hierarchy, Level};
 use crate::surface::{Surface, Vector};
 use crate::wavelet::Filters;
 use rayon::prelude::*;
-use std::borrow::Cow;
 
 /// Planes are counted to here: magnitudes are below 2^30.
 const MOST_PLANES: u32 = 30;
@@ -35,22 +35,6 @@ const PER_LEVEL: i32 = 8;
 const TANGENTIAL: i32 = 12;
 /// How much later a level begins than its highest plane would have it, in eighths of a plane: frames are the better for it.
 const BEGINNING: i32 = 12;
-
-/// What of one level is known.
-#[derive(Debug, Default)]
-struct Details {
-    /// By slot of `M^{j+1}`: normal part, two tangential parts, without the bits below the plane. Empty before the level
-    /// begins.
-    known: Vec<Vector>,
-    /// By odd vertex.
-    frames: Vec<Frame>,
-    /// By class.
-    planes: [u32; 2],
-    /// The first odd vertex that is still at other planes, and those.
-    cut: Option<(u32, [u32; 2])>,
-    /// By slot of `M^{j+1}`, how far components are from their predictions. Empty before the level is finished.
-    residuals: Vec<Vector>,
-}
 
 /// What is known of a surface while it is written or read.
 struct State<'a> {
@@ -69,57 +53,6 @@ struct State<'a> {
     /// The level that a reader has begun last, if its frames are still to be made: they are not needed to read its first
     /// block, so another thread can make them meanwhile.
     frameless: Option<usize>,
-}
-
-/// What is known below a level, to make its positions of.
-struct Below<'a> {
-    transform: Transform<'a>,
-    base: Known<'a>,
-    levels: &'a [Details],
-    kept: Option<&'a (usize, Vec<Vector>)>,
-}
-
-impl Below<'_> {
-    fn positions(&self) -> Vec<Vector> {
-        let (from, mut positions) = match self.kept {
-            Some((kept, positions)) if *kept <= self.levels.len() => (*kept, Cow::Borrowed(positions)),
-            _ => (0, Cow::Owned(self.base.middles())),
-        };
-        for (j, details) in self.levels.iter().enumerate().skip(from) {
-            let (hierarchy, level) = (self.transform.hierarchy, Level(j as u8));
-            positions = Cow::Owned(if details.frames.is_empty() {
-                self.transform.subdivide(level, &positions)
-            } else {
-                let details = details.coefficients(hierarchy, level);
-                self.transform.synthesise_level(level, &positions, details)
-            });
-        }
-        positions.into_owned()
-    }
-}
-
-impl Details {
-    /// `d^j` as far as it is known.
-    fn coefficients(&self, hierarchy: &Hierarchy, level: Level) -> Vec<Vector> {
-        let (coarse, fine) = (hierarchy.layout(level), hierarchy.layout(level.finer()));
-        if self.frames.is_empty() {
-            return vec![[0; 3]; coarse.odd_len() as usize];
-        }
-        of_odds(coarse, fine, |odd, slot, _| {
-            let known = self.known[slot as usize];
-            let mut local = [0; 3];
-            for (class, range) in CLASSES.into_iter().enumerate() {
-                let plane = match self.cut {
-                    Some((first, above)) if odd >= first => above[class],
-                    _ => self.planes[class],
-                };
-                for c in range {
-                    local[c] = restored(known[c], plane);
-                }
-            }
-            self.frames[odd as usize].turn_back(local)
-        })
-    }
 }
 
 /// The models of what stands between blocks.
@@ -141,6 +74,20 @@ impl Default for OrderModels {
     }
 }
 
+/// The level that is all that is missing.
+fn only_level(candidates: &[(Step, u32)]) -> Option<usize> {
+    let level = |step| if let Step::Refine(j, _) = step { Some(j) } else { None };
+    let first = level(candidates.first()?.0);
+    first.filter(|_| candidates.iter().all(|&(step, _)| level(step) == first))
+}
+
+/// What is asked for after a block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum After {
+    Nothing,
+    More,
+}
+
 /// What may come next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Step {
@@ -160,7 +107,7 @@ impl State<'_> {
             let value = |class: usize| {
                 8 * details.planes[class] as i32 - PER_LEVEL * j as i32 - TANGENTIAL * class as i32
             };
-            if details.known.is_empty() {
+            if !details.begun {
                 all.push((value(0) - BEGINNING, Step::Begin(j), details.planes[0]));
             } else {
                 all.extend([0, 1].map(|class| (value(class), Step::Refine(j, class), details.planes[class])));
@@ -175,8 +122,35 @@ impl State<'_> {
     fn positions(&mut self, level: usize) -> &[Vector] {
         if self.synthesised.as_ref().is_none_or(|(kept, _)| *kept != level) {
             self.synthesised = Some((level, self.synthesise(level)));
+            self.let_go(level);
         }
         self.synthesised.as_ref().map_or(&[], |(_, positions)| positions)
+    }
+
+    /// Forgets what the positions kept of a level are made of, if none of it can change; a block of the level may still look at
+    /// the components below it.
+    fn let_go(&mut self, level: usize) {
+        let base = self.base_plane == 0 && self.base_cut.is_none();
+        if !self.transform.bends() || !base || !self.levels[..level].iter().all(Details::is_whole) {
+            return;
+        }
+        for (j, details) in self.levels[..level].iter_mut().enumerate() {
+            details.frames = Vec::new();
+            if j + 1 < level {
+                details.known = Vec::new();
+            }
+        }
+    }
+
+    /// Forgets what is asked for no more when a writer goes to finish what may be the only level that is missing.
+    fn let_go_before_the_last(&mut self, candidates: &[(Step, u32)]) {
+        let Some(last) = only_level(candidates) else { return };
+        self.positions(last);
+        self.let_go(last);
+        if self.transform.bends() && self.levels[last].known.is_empty() {
+            self.levels[last].frames = Vec::new();
+            self.levels[..last].iter_mut().for_each(|details| details.known = Vec::new());
+        }
     }
 
     /// Something of a level has changed, or of the base positions: what lies above it is no longer true.
@@ -228,6 +202,7 @@ impl State<'_> {
             rayon::join(make, || work(models, finishing, &mut *details, levels));
         details.frames = frames;
         self.synthesised = Some((j, positions));
+        self.let_go(j);
         done
     }
 
@@ -246,7 +221,7 @@ impl State<'_> {
             let most = details.planes[class];
             details.planes[class] = most.saturating_sub(coder.raw(5, most.wrapping_sub(plane) & 31));
         }
-        details.known = vec![[0; 3]; self.hierarchy.layout(Level(j as u8 + 1)).len() as usize];
+        details.begun = true;
     }
 
     /// Codes a block of a level; whether all of it was there.
@@ -255,6 +230,7 @@ impl State<'_> {
             (self.hierarchy.layout(Level(j as u8)), self.hierarchy.layout(Level(j as u8 + 1)));
         let done = self.on_level(j, |models, _, details, below| {
             let parents: &[Vector] = below.last().map_or(&[], |details| &details.known);
+            details.hold_all(fine);
             let mut planes = Planes { coarse, fine, known: &mut details.known, parents, truth };
             let stopped = code(coder, models, block, &mut planes).err();
             details.cut = stopped.map(|first| (first, details.planes));
@@ -265,13 +241,18 @@ impl State<'_> {
         done
     }
 
-    /// Codes all that is missing of a level; whether it was there.
-    fn finish<C: Coder>(&mut self, coder: &mut C, j: usize, truth: &[Vector]) -> bool {
+    /// Codes all that is missing of a level; whether it was there. After it nothing need be known of the level if it is the last
+    /// that is written.
+    fn finish<C: Coder>(&mut self, coder: &mut C, j: usize, truth: &[Vector], after: After) -> bool {
         let (coarse, fine) =
             (self.hierarchy.layout(Level(j as u8)), self.hierarchy.layout(Level(j as u8 + 1)));
         let predicted = if self.transform.bends() { Vec::new() } else { self.predicted(j) };
         let done = self.on_level(j, |_, models, details, below| {
-            details.residuals = vec![[0; 3]; details.known.len()];
+            match after {
+                After::Nothing => details.frames = Vec::new(),
+                After::More => details.hold_all(fine),
+            }
+            details.residuals = vec![[0; 3]; fine.len() as usize];
             let mut parts = finish::Parts {
                 coarse,
                 fine,
@@ -287,6 +268,9 @@ impl State<'_> {
             details.planes = [0; 2];
             stopped.is_none()
         });
+        if let Some(coarser) = j.checked_sub(1) {
+            self.levels[coarser].residuals = Vec::new();
+        }
         self.changed(Some(j));
         done
     }
@@ -301,15 +285,6 @@ impl State<'_> {
             .zip(&self.levels[j].frames)
             .for_each(|(bend, frame)| *bend = frame.turn(*bend));
         predicted
-    }
-}
-
-fn restored(known: i32, plane: u32) -> i32 {
-    let middle = ((7i64 << plane) >> 4) as i32;
-    match known {
-        0 => 0,
-        x if x < 0 => x.wrapping_sub(middle),
-        x => x.wrapping_add(middle),
     }
 }
 
@@ -375,11 +350,17 @@ impl State<'_> {
                 !coder.is_exhausted()
             }
             Step::Refine(j, class) => {
-                let truth = if C::WRITES { truth.local[j].as_slice() } else { &[] };
-                match finish {
-                    true => self.finish(coder, j, truth),
-                    false => self.block(coder, j, Block { class, from: plane, to }, truth),
+                let of_level = if C::WRITES { truth.local[j].as_slice() } else { &[] };
+                let last = C::WRITES && only_level(candidates) == Some(j);
+                let after = if last { After::Nothing } else { After::More };
+                let done = match finish {
+                    true => self.finish(coder, j, of_level, after),
+                    false => self.block(coder, j, Block { class, from: plane, to }, of_level),
+                };
+                if C::WRITES && self.levels[j].is_whole() {
+                    truth.local[j] = Vec::new();
                 }
+                done
             }
         }
     }
@@ -409,6 +390,9 @@ pub(in crate::file) fn encode_stream(surface: &Surface, granularity: Granularity
         finishing |= matches!(first, Step::Refine(j, _) if j + 1 == finest.index() && plane <= last_plane);
         let choice =
             if finishing { coarsest(&candidates) } else { Choice { index: 0, count: 1, finish: false } };
+        if choice.finish {
+            state.let_go_before_the_last(&candidates);
+        }
         // What comes next is long.
         if choice.finish
             && let Some((position, error @ None)) = borders.last_mut()
@@ -418,7 +402,8 @@ pub(in crate::file) fn encode_stream(surface: &Surface, granularity: Granularity
         }
         state.step(&mut encoder, &candidates, choice, &mut truth);
         let position = encoder.position();
-        let far = position - last >= measured_after(last, vertices);
+        // At the end nothing is missing.
+        let far = position - last >= measured_after(last, vertices) && !state.candidates().is_empty();
         if far {
             last = position;
         }

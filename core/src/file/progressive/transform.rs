@@ -4,7 +4,7 @@
 //! ways. Based on: Schröder, Sweldens, "Spherical Wavelets", SIGGRAPH 1995, for lifting the butterfly scheme. With bends
 //! the detail of an odd vertex is what [`super::butterfly`] leaves of it, beyond the mean of its parents.
 
-use super::butterfly::{Curves, bends};
+use super::butterfly::{Curves, by_rows};
 use crate::hierarchy::{Hierarchy, Layout, Level};
 use crate::surface::{Surface, Vector};
 use crate::wavelet::lifting::{minus, plus};
@@ -164,8 +164,23 @@ impl Transform<'_> {
     /// Adds the bends, or takes them off, of the odd vertices of `M^{j+1}`, from the even ones, which stay.
     fn add_bends(self, level: Level, finer: &mut [Vector], add: impl Fn(Vector, Vector) -> Vector + Sync) {
         let (coarse, fine) = (self.hierarchy.layout(level), self.hierarchy.layout(level.finer()));
-        let bends = bends(self.hierarchy, level, &evens(coarse, fine, finer), Curves::Kept);
-        rows::onto_odds(coarse, finer, &bends, add);
+        let evens = evens(coarse, fine, finer);
+        let (edges, faces) = (coarse.base().edges().len(), coarse.base().faces().len());
+        let n = coarse.segments() as usize;
+        let (_, rest) = finer.split_at_mut(coarse.base().vertex_count() as usize);
+        let (fine_edges, mut inside) = rest.split_at_mut((2 * n - 1) * edges);
+        let per_face = inside.len() / faces;
+        let faces =
+            (0..faces).map(|_| inside.split_off_mut(..per_face).expect("every face has as many")).collect();
+        let in_row = |left: &mut &mut [Vector], r: usize, bends: &[Vector]| {
+            let row = left.split_off_mut(..2 * n - r - 1).expect("as many rows");
+            let odds = row.iter_mut().step_by(2 - r % 2);
+            odds.zip(bends).for_each(|(odd, &bend)| *odd = add(*odd, bend));
+        };
+        let on_edges = by_rows(self.hierarchy, level, (&evens, Curves::Kept), faces, in_row);
+        for (edge, bends) in fine_edges.chunks_mut(2 * n - 1).zip(on_edges.chunks(n)) {
+            edge.iter_mut().step_by(2).zip(bends).for_each(|(odd, &bend)| *odd = add(*odd, bend));
+        }
     }
 }
 

@@ -110,7 +110,7 @@ pub(super) fn subdivide<const N: usize>(coarse: &Layout, evens: &[[i32; N]], fin
 }
 
 /// Changes each odd vertex of `M^{j+1}` by what there is for it. `O(n_{j+1})`, in parallel over base faces.
-pub fn onto_odds<const N: usize>(
+fn onto_odds<const N: usize>(
     coarse: &Layout,
     finer: &mut [[i32; N]],
     values: &[[i32; N]],

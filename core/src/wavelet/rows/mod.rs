@@ -32,7 +32,6 @@ use crate::hierarchy::{Hierarchy, Layout, Level, Site};
 use analysis::Output;
 use border::Border;
 use chart::Chart;
-pub use coarse::onto_odds;
 use face_blocks::split_by_face;
 pub use patch::{Patch, Refined, add_steps, refine};
 use pulp::Arch;

@@ -63,7 +63,7 @@ impl<'a> Ruler<'a> {
     /// The distance in steps. Cost: a synthesis of the levels that have begun and [`DEEPER`] more, and some thousand walks. The
     /// same for any number of threads.
     pub(super) fn measure(&mut self, state: &State) -> f64 {
-        let begun = state.levels.iter().rposition(|details| !details.known.is_empty()).map_or(0, |j| j + 1);
+        let begun = state.levels.iter().rposition(|details| details.begun).map_or(0, |j| j + 1);
         let level = Level((begun + DEEPER).min(self.whole.finest().index()) as u8);
         if level != self.level {
             self.turn_to(level);
