@@ -11,19 +11,24 @@ pub(super) struct Blocks<'a, R> {
     buffer: Vec<u8>,
     /// What of the buffer was given out.
     given: usize,
+    /// As far as this no line ends that is not carried on.
+    searched: usize,
 }
 
 impl<'a, R: BufRead> Blocks<'a, R> {
     pub(super) fn new(file: &'a mut R) -> Self {
-        Self { file, buffer: Vec::new(), given: 0 }
+        Self { file, buffer: Vec::new(), given: 0, searched: 0 }
     }
 
     /// The next block; `None` at the end of what can be read.
     pub(super) fn next(&mut self) -> Option<&[u8]> {
         self.buffer.drain(..self.given);
+        self.searched = 0;
         loop {
             let read = self.file.by_ref().take(BLOCK).read_to_end(&mut self.buffer).unwrap_or(0);
-            self.given = if read == 0 { self.buffer.len() } else { whole_lines(&self.buffer) };
+            self.given = if read == 0 { self.buffer.len() } else { whole_lines(&self.buffer, self.searched) };
+            // The last byte may turn out to end a line.
+            self.searched = self.buffer.len().saturating_sub(1);
             if self.given > 0 || read == 0 {
                 break;
             }
@@ -32,10 +37,16 @@ impl<'a, R: BufRead> Blocks<'a, R> {
     }
 }
 
-/// Where the last line ends that is surely not carried on; 0 if none is.
-fn whole_lines(text: &[u8]) -> usize {
+/// Where the last line ends that is surely not carried on, its end not before `from`; 0 if none is.
+fn whole_lines(text: &[u8], from: usize) -> usize {
+    let ends = |at: usize| match text[at] {
+        b'\n' => true,
+        // If a line feed may follow, the line ends there.
+        b'\r' => text.get(at + 1).is_some_and(|&next| next != b'\n'),
+        _ => false,
+    };
     let mut end = text.len();
-    while let Some(at) = text[..end].iter().rposition(|&byte| byte == b'\n') {
+    while let Some(at) = (from..end).rev().find(|&at| ends(at)) {
         let before = text[..at].strip_suffix(b"\r").unwrap_or(&text[..at]);
         let start = before.iter().rposition(|&byte| matches!(byte, b'\n' | b'\r')).map_or(0, |at| at + 1);
         if !before[start..].trim_ascii_end().ends_with(b"\\") {
@@ -52,23 +63,31 @@ mod tests {
 
     #[test]
     fn blocks_end_with_whole_lines_and_lose_nothing() {
-        let cases: [(&[u8], usize); 7] = [
+        let cases: [(&[u8], usize); 9] = [
             (b"f 1 \\\n\n2", 7),
             (b"v 1\nv 2\nv", 8),
             (b"f 1 \\\n2", 0),
             (b"v\nf 1 \\ \r\n2", 2),
-            (b"v\rv", 0),
+            (b"v\rv", 2),
+            (b"v\r", 0),
+            (b"v \\\rv", 0),
             (b"v\r\nv\r\n", 6),
             (b"", 0),
         ];
         for (text, end) in cases {
-            assert_eq!(whole_lines(text), end, "{}", String::from_utf8_lossy(text));
+            assert_eq!(whole_lines(text, 0), end, "{}", String::from_utf8_lossy(text));
         }
-        // Many blocks, and one line longer than a block.
-        let mut text = b"v 1 2 3 \\\n\n".repeat(200_000);
-        text.extend(vec![b'x'; 3 << 20]);
-        text.extend(b"\nlast");
-        let (mut file, mut read, mut count) = (text.as_slice(), Vec::new(), 0);
+        // Many blocks, and one line longer than a block; with each way to end lines.
+        for end in ["\n", "\r\n", "\r"] {
+            let mut text = format!("v 1 2 3 \\{end}{end}").repeat(200_000).into_bytes();
+            text.extend(vec![b'x'; 3 << 20]);
+            text.extend(format!("{end}last").bytes());
+            blocks_of(&text);
+        }
+    }
+
+    fn blocks_of(text: &[u8]) {
+        let (mut file, mut read, mut count) = (text, Vec::new(), 0);
         let mut blocks = Blocks::new(&mut file);
         while let Some(block) = blocks.next() {
             read.extend_from_slice(block);
