@@ -9,9 +9,10 @@ use super::explicit_rows::{ExplicitRows, Known};
 use super::regularity::is_regular;
 use super::rows::Stencil;
 use super::weights::{LARGEST_DISC, WeightSolver};
-use crate::hierarchy::{Hierarchy, Layout, Level, Odd, Site, Slot};
+use crate::hierarchy::{BaseMesh, Hierarchy, Layout, Level, Odd, Site, Slot};
 use crate::mesh::shapes;
 use pulp::{Arch, Simd, WithSimd};
+use rustc_hash::FxHashSet;
 use thiserror::Error;
 
 /// The neighbourhoods of some vertices are too large for the chosen wavelet.
@@ -50,8 +51,9 @@ impl Filters {
     pub fn new(hierarchy: &Hierarchy, wavelet: Wavelet) -> Result<Self, ValenceTooHigh> {
         if let Wavelet::Disc(k) = wavelet
             && k > 0
+            && hierarchy.finest() > Level::BASE
         {
-            refuse_high_valence(hierarchy, wavelet)?;
+            refuse_large_discs(hierarchy.base(), wavelet, k)?;
         }
         let known = Known::new(hierarchy.base(), wavelet);
         let regular = regular_taps(&known.solver, wavelet);
@@ -209,7 +211,7 @@ fn regular_taps(solver: &WeightSolver, wavelet: Wavelet) -> Vec<TapRow> {
         return Vec::new();
     }
     let triangle = shapes::triangle();
-    let base = crate::hierarchy::BaseMesh::new(3, triangle.faces, &[]).expect("a triangle is a base mesh");
+    let base = BaseMesh::new(3, triangle.faces, &[]).expect("a triangle is a base mesh");
     let layout = Layout::checked(&std::sync::Arc::new(base), Level(6)).expect("a small level");
     let mut rows: std::collections::BTreeMap<i32, Vec<(i32, i32)>> = Default::default();
     // One odd vertex of each direction near the middle: coordinates with sum 2n = 128, one of them even.
@@ -229,13 +231,76 @@ fn regular_taps(solver: &WeightSolver, wavelet: Wavelet) -> Vec<TapRow> {
         .collect()
 }
 
-fn refuse_high_valence(hierarchy: &Hierarchy, wavelet: Wavelet) -> Result<(), ValenceTooHigh> {
-    let base = hierarchy.base();
-    for vertex in 0..base.vertex_count() {
-        let valence = base.fan(vertex).corners.len();
-        if valence > LARGEST_DISC / 4 {
-            return Err(ValenceTooHigh { vertex, valence, wavelet });
+/// Refuses base meshes over which some disc has more than [`LARGEST_DISC`] vertices; on finer levels none is larger than on
+/// the coarsest. `O(faces)`, and of large neighbourhoods each edge's disc.
+fn refuse_large_discs(base: &BaseMesh, wavelet: Wavelet, k: u8) -> Result<(), ValenceTooHigh> {
+    let valence = |vertex: u32| base.fan(vertex).corners.len();
+    let refused = |vertex| Err(ValenceTooHigh { vertex, valence: valence(vertex), wavelet });
+    if let Some(vertex) = (0..base.vertex_count()).find(|&vertex| valence(vertex) > LARGEST_DISC / 4) {
+        return refused(vertex);
+    }
+    // Two edges away lie at most so many vertices.
+    let reach: Vec<usize> = (0..base.vertex_count())
+        .map(|vertex| {
+            base.fan(vertex)
+                .corners
+                .iter()
+                .flat_map(|&(face, _)| base.faces()[face as usize])
+                .map(valence)
+                .sum()
+        })
+        .collect();
+    for &[u, w] in base.edges() {
+        if reach[u as usize] + reach[w as usize] > LARGEST_DISC && disc_is_too_large(base, [u, w], k) {
+            return refused(if valence(u) < valence(w) { w } else { u });
         }
     }
     Ok(())
+}
+
+/// Whether more than [`LARGEST_DISC`] base vertices lie within `k` edges of the ends of an edge.
+fn disc_is_too_large(base: &BaseMesh, ends: [u32; 2], k: u8) -> bool {
+    let mut found: FxHashSet<u32> = ends.into_iter().collect();
+    let mut rim = ends.to_vec();
+    for _ in 0..k {
+        let around = rim.iter().flat_map(|&vertex| &base.fan(vertex).corners);
+        let near = around.flat_map(|&(face, _)| base.faces()[face as usize]);
+        rim = near.filter(|&vertex| found.insert(vertex)).take(LARGEST_DISC).collect();
+        if found.len() > LARGEST_DISC {
+            return true;
+        }
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    /// A hub of `hubs` triangles, each cut by a chain of `chain` vertices that sees both other corners.
+    fn hubs(hubs: u32, chain: u32) -> Hierarchy {
+        let mut faces = Vec::new();
+        for hub in 0..hubs {
+            let (a, b, first) = (1 + hub, 1 + (hub + 1) % hubs, 1 + hubs + hub * chain);
+            let along: Vec<u32> = [0].into_iter().chain(first..first + chain).chain([b]).collect();
+            for pair in along.windows(2) {
+                faces.push([a, pair[0], pair[1]]);
+                if pair[1] != b {
+                    faces.push([b, pair[1], pair[0]]);
+                }
+            }
+        }
+        let base = BaseMesh::new(1 + hubs + hubs * chain, faces, &[]).expect("a disk");
+        Hierarchy::new(Arc::new(base), Level(1)).expect("small")
+    }
+
+    /// No vertex has very many neighbours, but those of the neighbours are too many.
+    #[test]
+    fn discs_around_hubs_of_hubs_are_bounded() {
+        let large = hubs(40, 60);
+        assert!(Filters::new(&large, Wavelet::Disc(2)).is_err());
+        assert!(Filters::new(&large, Wavelet::Disc(0)).is_ok());
+        assert!(Filters::new(&hubs(6, 6), Wavelet::Disc(2)).is_ok());
+    }
 }
