@@ -21,11 +21,6 @@ use stages::Clock;
 use std::cell::Cell;
 use std::path::Path;
 
-/// Whether a path names a wavelet file.
-pub(crate) fn is_wavelet_file(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("boz"))
-}
-
 /// How to import a mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ImportOptions {

@@ -5,6 +5,7 @@ mod program;
 
 use models::{ball_boz, grey_png};
 use program::Workplace;
+use std::collections::BTreeMap;
 
 /// Every command that writes a file, `OUTPUT` standing for its name without the extension that follows.
 const WRITERS: [(&[&str], &str); 9] = [
@@ -70,6 +71,53 @@ fn outputs_with_a_wrong_extension() {
     }
 }
 
+/// The log of a replay's output takes the place of no script, no history and no lone log.
+#[test]
+fn logs_that_would_be_lost() {
+    let work = workplace();
+    work.succeeds(&["replay", "ball.boz", "script.edits", "-o", "work.boz"]);
+    work.write("lone.edits", work.read("work.edits"));
+    let before = work.contents();
+    for command in [
+        &["replay", "ball.boz", "script.edits", "-o", "script.boz"][..],
+        &["replay", "work.boz", "script.edits", "-o", "work.boz"],
+        &["replay", "work.boz", "work.edits", "-o", "work.boz"],
+        &["replay", "ball.boz", "script.edits", "-o", "lone.boz"],
+    ] {
+        let output = command[4].replace(".boz", ".edits");
+        work.refuses(command, &[&output]);
+    }
+    assert!(work.contents() == before);
+    // A pair may be made anew, and a file may go on from its own log.
+    work.succeeds(&["replay", "ball.boz", "script.edits", "-o", "work.boz"]);
+    assert!(work.contents() == before);
+    work.succeeds(&["replay", "work.boz", "script.edits", "-o", "work.boz", "--onto-log"]);
+    assert!(work.text("work.edits").starts_with(work_log(&before).as_str()));
+}
+
+fn work_log(contents: &BTreeMap<String, Vec<u8>>) -> String {
+    String::from_utf8(contents["work.edits"].clone()).expect("text")
+}
+
+/// What a link leads to is replaced, and a new file is as readable as the system's usual ones.
+#[cfg(unix)]
+#[test]
+fn outputs_through_a_link() {
+    let work = workplace();
+    std::fs::create_dir(work.path("elsewhere")).expect("a folder");
+    work.write("elsewhere/real.obj", "old");
+    std::os::unix::fs::symlink("elsewhere/real.obj", work.path("link.obj")).expect("a link");
+    work.succeeds(&["export", "ball.boz", "-o", "link.obj"]);
+    assert!(work.path("link.obj").is_symlink());
+    assert!(work.text("elsewhere/real.obj").starts_with("v "));
+    let mode = |name: &str| {
+        use std::os::unix::fs::PermissionsExt;
+        std::fs::metadata(work.path(name)).expect("a file").permissions().mode()
+    };
+    work.succeeds(&["export", "ball.boz", "-o", "new.obj"]);
+    assert_eq!(mode("new.obj"), mode("script.edits"));
+}
+
 /// A wavelet file without a log is not put beside a log of something else.
 #[test]
 fn outputs_beside_a_log() {
@@ -116,6 +164,12 @@ fn arguments_that_mean_nothing() {
         &["import", "ball.obj", "-o", "out.boz", "--precision", "26"],
         &["import", "ball.obj", "-o", "out.boz", "--remesh", "perhaps"],
         &["import", "ball.obj", "-o", "out.boz", "--tolerance", "close"],
+        &["import", "ball.obj", "-o", "out.boz", "--tolerance", "nan"],
+        &["import", "ball.obj", "-o", "out.boz", "--tolerance", "0"],
+        &["import", "ball.obj", "-o", "out.boz", "--tolerance=-1"],
+        &["import", "ball.obj", "-o", "out.boz", "--tolerance", "inf"],
+        &["import", "ball.obj", "-o", "out.boz", "--scheme", "butterfly"],
+        &["compare", "ball.boz", "ball.obj", "--samples", "0"],
         &["info"],
         &["info", "ball.boz", "--base", "--saved"],
         &["info", "ball.boz", "more.boz"],

@@ -44,6 +44,20 @@ fn a_file_as_near_as_asked_for() {
     assert!((50.0..65.0).contains(&psnr), "imported: {psnr} dB");
 }
 
+/// An import keeps what an export of the same surface keeps, and says how far that is from the mesh.
+#[test]
+fn an_import_keeps_a_share() {
+    let work = Workplace::new();
+    ball_boz(&work);
+    work.succeeds(&["export", "ball.boz", "-o", "exported.boz", "--keep", "0.2"]);
+    let imported = work.json(&["import", "ball.obj", "-o", "imported.boz", "--keep", "0.2"]);
+    assert_eq!(imported["hash"], work.json(&["info", "exported.boz"])["hash"]);
+    let rms = work.json(&["compare", "ball.obj", "imported.boz"])["rms"].as_f64().expect("a number");
+    assert_eq!(imported["rms"].as_f64(), Some(rms));
+    let compact = ["import", "ball.obj", "-o", "no.boz", "--purpose", "compact", "--keep", "0.2"];
+    work.refuses(&compact, &["--keep"]);
+}
+
 #[test]
 fn a_compact_import_is_smaller_than_one_for_editing() {
     let work = Workplace::new();

@@ -17,8 +17,8 @@ pub(super) struct Args {
     /// The other: a .boz file or a mesh.
     b: PathBuf,
     /// Samples a side; the maximum also looks at every vertex.
-    #[arg(long, default_value_t = CompareOptions::default().samples)]
-    samples: usize,
+    #[arg(long, default_value_t = CompareOptions::default().samples as u64, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    samples: u64,
     /// Seed of the samples.
     #[arg(long, default_value_t = CompareOptions::default().seed)]
     seed: u64,
@@ -37,7 +37,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let a = load_mesh(&args.a, args.log.options())?;
     let b = load_mesh(&args.b, args.log.options())?;
     let progress = Progress::new("Comparing");
-    let options = CompareOptions { samples: args.samples, seed: args.seed };
+    let options = CompareOptions { samples: args.samples as usize, seed: args.seed };
     let result = compare(&a, &b, &options, &|share| progress.report(share))
         .with_context(|| format!("{} and {}", args.a.display(), args.b.display()))?;
     drop(progress);

@@ -5,15 +5,15 @@ use super::output;
 use super::progress::Progress;
 use super::size::SizeArgs;
 use crate::figures::grouped;
-use crate::opening::is_wavelet_file;
 use anyhow::{Context, Result, bail};
-use bozzetto_core::file::{Model, encode};
+use bozzetto_core::file::{encode, is_wavelet_file};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::io::{MeshFormat, write_mesh};
-use bozzetto_core::lod::{Kept, adaptive_triangulation, domain_distance, keep_largest};
+use bozzetto_core::lod::{adaptive_triangulation, domain_distance};
 use bozzetto_core::mesh::{CompareOptions, Comparison, compare};
 use bozzetto_core::surface::Surface;
 use serde::Serialize;
+use serde_json::json;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -31,9 +31,6 @@ pub(super) struct Args {
     /// The level to write; the finest if left out.
     #[arg(long)]
     level: Option<u8>,
-    /// Keep this fraction of the wavelet coefficients, the largest after L2 normalisation.
-    #[arg(long, value_name = "FRACTION", value_parser = fraction)]
-    keep: Option<f64>,
     /// Write large triangles where the surface is flat, without cracks.
     #[arg(long, conflicts_with = "level")]
     adaptive: bool,
@@ -41,7 +38,7 @@ pub(super) struct Args {
     /// left out if not given, else 0: only what is flat is joined.
     #[arg(long, value_name = "T", requires = "adaptive", value_parser = distance)]
     tolerance: Option<f64>,
-    /// Print one JSON object: what was left out, and the error measured.
+    /// Print one JSON object: what was written, what was left out, and the error measured.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -75,14 +72,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
     if !model.complete && is_wavelet_file(&args.output) {
         bail!("{}: this file is incomplete; get the rest of it first", name());
     }
-    let lossy = args.keep.is_some() || args.size.is_given() || args.adaptive;
+    let lossy = args.size.keeps_some() || args.size.is_given() || args.adaptive;
     let whole = lossy.then(|| model.surface.clone());
-    let mut kept = None;
-    if let Some(fraction) = args.keep {
-        let Kept { surface, kept: count, predicted, .. } = keep_largest(&model.surface, fraction);
-        model = Model { unknown: model.unknown, ..Model::new(surface, None, model.metadata) };
-        kept = Some((count, predicted));
-    }
+    let kept = args.size.keep(&mut model).map(|kept| (kept.kept, kept.predicted));
     let mut file = None;
     if args.size.is_given() {
         let mesh = model.surface.to_mesh(model.surface.finest());
@@ -92,7 +84,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     let level = existing_level(&model.surface, args.level).with_context(name)?;
     if format.is_none() && !lossy {
-        return output::replace(&args.output, &encode(&model));
+        output::replace(&args.output, &encode(&model))?;
+        return whole_written(args, &model.surface, level);
     }
     let in_domain = whole.as_ref().map_or(0.0, |whole| domain_distance(whole, &model.surface));
     let mut mesh = model.surface.to_mesh(level);
@@ -112,7 +105,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
             output::replace(&args.output, &bytes)?;
         }
     }
-    let Some(whole) = whole else { return Ok(()) };
+    let Some(whole) = whole else { return whole_written(args, &model.surface, level) };
     let progress = Progress::new("Measuring");
     let original = whole.to_mesh(level);
     let error = compare(&original, &mesh, &CompareOptions::default(), &|share| progress.report(share))
@@ -132,14 +125,19 @@ pub(super) fn run(args: &Args) -> Result<()> {
     if args.json { output::print_json(&outcome) } else { output::print(&outcome.to_string()) }
 }
 
-fn fraction(text: &str) -> Result<f64, String> {
-    let parsed = text.parse().ok().filter(|fraction| (0.0..=1.0).contains(fraction));
-    parsed.ok_or_else(|| "give a fraction from 0 to 1".to_owned())
-}
-
 fn distance(text: &str) -> Result<f64, String> {
     let parsed = text.parse().ok().filter(|distance: &f64| (0.0..=1.0).contains(distance));
     parsed.ok_or_else(|| "give a distance over the diagonal, from 0 to 1".to_owned())
+}
+
+/// Says what an export wrote that left nothing out.
+fn whole_written(args: &Args, surface: &Surface, level: Level) -> Result<()> {
+    if !args.json {
+        return Ok(());
+    }
+    let hierarchy = surface.hierarchy();
+    let (vertices, faces) = (hierarchy.layout(level).len(), hierarchy.face_count(level));
+    output::print_json(&json!({ "level": level.0, "vertices": vertices, "faces": faces }))
 }
 
 /// The level asked for, or the finest.

@@ -1,6 +1,5 @@
 //! The wavelet form of a new surface, as arguments that every kind of import shares.
 
-use anyhow::{Result, bail};
 use bozzetto_core::surface::{DEFAULT_PRECISION, FormOptions, UpAxis};
 use bozzetto_core::wavelet::{Scheme, Wavelet};
 use clap::ValueEnum;
@@ -39,7 +38,6 @@ enum WaveletArg {
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum SchemeArg {
     Linear,
-    Butterfly,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -65,21 +63,17 @@ impl FormArgs {
     }
 
     /// As options of the core.
-    ///
-    /// # Errors
-    /// The scheme is not available.
-    pub(super) fn options(&self) -> Result<FormOptions> {
-        if matches!(self.scheme, SchemeArg::Butterfly) {
-            bail!("--scheme butterfly is not available in this version; use linear");
-        }
-        Ok(FormOptions {
+    pub(super) fn options(&self) -> FormOptions {
+        FormOptions {
             wavelet: match self.wavelet {
                 Some(WaveletArg::Lazy) => Wavelet::Lazy,
                 Some(WaveletArg::Zero) => Wavelet::Disc(0),
                 Some(WaveletArg::One) => Wavelet::Disc(1),
                 Some(WaveletArg::Two) | None => Wavelet::Disc(2),
             },
-            scheme: Scheme::Linear,
+            scheme: match self.scheme {
+                SchemeArg::Linear => Scheme::Linear,
+            },
             precision: self.precision,
             up: match self.up {
                 UpArg::X => UpAxis::X,
@@ -94,6 +88,6 @@ impl FormArgs {
                 UnitArg::Unknown => "",
             }
             .to_owned(),
-        })
+        }
     }
 }

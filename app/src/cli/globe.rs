@@ -55,7 +55,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     };
     let named = |sentence: String| anyhow::anyhow!("{}: {sentence}", args.image.display());
     let made = globe(&grid, meaning, args.levels).map_err(|e| named(e.to_string()))?;
-    let surface = Surface::from_positions(made.hierarchy, &made.positions, &args.form.options()?)
+    let surface = Surface::from_positions(made.hierarchy, &made.positions, &args.form.options())
         .map_err(|e| named(e.to_string()))?;
     let model = Model::new(surface, None, metadata_of(&args.image));
     let bytes = encode(&model);

@@ -17,6 +17,9 @@ use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
+/// The smallest distance that can be asked for; coordinates of 24 bits are not rounded to less.
+const SMALLEST_TOLERANCE: f64 = 1e-7;
+
 /// Turn a mesh into a wavelet file.
 #[derive(Debug, clap::Args)]
 #[command(
@@ -44,7 +47,7 @@ pub(super) struct Args {
     #[command(flatten)]
     form: FormArgs,
     /// Bound on the measured distance, over the bounding-box diagonal; the result says whether it is met.
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = tolerance_share)]
     tolerance: Option<f64>,
     /// Edges sharper than this angle, 0 to 180 degrees, stay sharp at every level; 180 keeps none. Left out, they do on
     /// meshes that look made, such as mechanical parts, and on no others. Edges marked in the file stay sharp in any case:
@@ -81,6 +84,12 @@ fn degrees(text: &str) -> Result<f64, String> {
     } else {
         Err("give an angle from 0 to 180 degrees".to_owned())
     }
+}
+
+/// A distance over the diagonal that can be asked for.
+fn tolerance_share(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|share| (SMALLEST_TOLERANCE..=1.0).contains(share));
+    parsed.ok_or_else(|| format!("give a distance over the diagonal, from {SMALLEST_TOLERANCE:e} to 1"))
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -123,7 +132,7 @@ impl Args {
                     AxisArg::Z => Axis::Z,
                 }),
             },
-            form: self.form.options()?,
+            form: self.form.options(),
         })
     }
 
@@ -135,23 +144,29 @@ impl Args {
         }
         let report = |stage: Stage, done| progress.report(stage.share(done));
         // The mesh is needed again for little else than these.
-        if !self.size.is_given() && self.report.is_none() {
+        if !self.size.is_given() && !self.size.keeps_some() && self.report.is_none() {
             let imported = import_file_alone(&self.mesh, &options, &report)?;
             let bytes = encode(&imported.model);
             return Ok(Made { source: None, imported, options, bytes, tried: 1 });
         }
         let (source, mut imported) = import_file(&self.mesh, &options, &report)?;
-        let bytes = match self.size.shrink(&imported.model, &source.mesh)? {
+        let kept = self.size.keep(&mut imported.model).is_some();
+        let shrunk = self.size.shrink(&imported.model, &source.mesh)?;
+        let lossy = kept || shrunk.is_some();
+        let bytes = match shrunk {
             Some((bytes, smaller)) => {
-                let mesh = smaller.surface.to_mesh(smaller.surface.finest());
-                let measured = compare(&source.mesh, &mesh, &CompareOptions::default(), &|_| true)?;
                 imported.model = smaller;
-                imported.distance = [measured.rms, measured.max];
-                imported.measured = Some(measured);
                 bytes
             }
             None => encode(&imported.model),
         };
+        if lossy {
+            let surface = &imported.model.surface;
+            let mesh = surface.to_mesh(surface.finest());
+            let measured = compare(&source.mesh, &mesh, &CompareOptions::default(), &|_| true)?;
+            imported.distance = [measured.rms, measured.max];
+            imported.measured = Some(measured);
+        }
         Ok(Made { source: Some(source), imported, options, bytes, tried: 1 })
     }
 
@@ -221,6 +236,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
     if args.purpose == PurposeArg::Compact && args.tolerance.is_some() {
         bail!(
             "--tolerance is not kept by --purpose compact, which leaves detail out; say --psnr instead, or --purpose edit"
+        );
+    }
+    if args.purpose == PurposeArg::Compact && args.size.keeps_some() {
+        bail!(
+            "--keep is not for --purpose compact, which chooses what to leave out; say --bytes or --psnr instead"
         );
     }
     let progress = Progress::new("Importing");

@@ -1,10 +1,10 @@
 //! Inputs of commands: a wavelet file with its log, or a mesh.
 
-use crate::opening::{ImportOptions, MeshSource, import, is_wavelet_file, metadata_of};
+use crate::opening::{ImportOptions, MeshSource, import};
 use anyhow::{Result, bail};
 use bozzetto_core::conversion::{ConversionOptions, Remesh};
 use bozzetto_core::disk::Disk;
-use bozzetto_core::file::Model;
+use bozzetto_core::file::{Metadata, Model, is_wavelet_file};
 use bozzetto_core::io::{MeshFormat, read_mesh};
 use bozzetto_core::mesh::TriangleMesh;
 use bozzetto_core::session::{LogUse, OpenOptions, open_model};
@@ -111,7 +111,7 @@ pub(super) fn load_surface(path: &Path, options: OpenOptions) -> Result<Model> {
             let conversion = ConversionOptions { remesh: Remesh::Never, ..ConversionOptions::default() };
             let never = ImportOptions { conversion, form: FormOptions::default() };
             let name = path.display().to_string();
-            let source = MeshSource { name, metadata: metadata_of(path), mesh };
+            let source = MeshSource { name, metadata: Metadata::default(), mesh };
             Ok(import(&source, &never, &|_, _| true)?.model)
         }
     }

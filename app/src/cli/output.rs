@@ -1,8 +1,8 @@
 //! Outputs of commands: files, refused before any work if they cannot be, and what is printed.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use bozzetto_core::disk::{Disk, Vfs};
-use bozzetto_core::file::log_path;
+use bozzetto_core::file::{is_wavelet_file, log_path, mend_of};
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub(super) fn check(path: &Path) -> Result<()> {
 /// # Errors
 /// Why no wavelet file can be written there.
 pub(super) fn check_wavelet_file(path: &Path) -> Result<()> {
-    if !crate::opening::is_wavelet_file(path) {
+    if !is_wavelet_file(path) {
         bail!("{}: a wavelet file's name ends in .boz; rename the output", path.display());
     }
     check(path)
@@ -62,13 +62,9 @@ pub(super) fn check_apart(output: &Path, input: &Path) -> Result<()> {
 /// Replaces a file in one step.
 ///
 /// # Errors
-/// What the file system says, without the name of the temporary file.
+/// What the file system says.
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
-    Disk.replace(path, bytes).map_err(|error| {
-        let cause = error.get_ref().and_then(|inner| inner.source()).map(ToString::to_string);
-        let cause = cause.unwrap_or_else(|| error.to_string());
-        anyhow::anyhow!("{}: {cause}; check the space and the permissions there", path.display())
-    })
+    Disk.replace(path, bytes).map_err(|cause| anyhow!("{}: {cause}; {}", path.display(), mend_of(&cause)))
 }
 
 /// Prints a result on stdout. A reader that has seen enough and hung up is no failure.

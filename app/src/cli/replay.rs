@@ -5,7 +5,7 @@ use super::output;
 use super::progress::Progress;
 use anyhow::{Context, Result, bail};
 use bozzetto_core::disk::{Disk, Vfs};
-use bozzetto_core::file::{Log, read_log};
+use bozzetto_core::file::{Log, log_path, read_log};
 use bozzetto_core::session::{LogUse, OpenOptions, Opened, Session, effective};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -47,13 +47,38 @@ pub(super) fn run(args: &Args) -> Result<()> {
     if args.bake {
         output::check_lone_wavelet_file(&args.output)?;
     } else {
-        output::check_wavelet_file(&args.output)?;
+        check_pair(args)?;
     }
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = args.threads {
         pool = pool.num_threads(threads.into());
     }
     pool.build().context("the threads cannot be started; choose fewer with --threads")?.install(|| play(args))
+}
+
+/// Refuses an output whose log would take the place of something else: of the script, of the history of the file that is
+/// started from, or of a log without its file.
+fn check_pair(args: &Args) -> Result<()> {
+    output::check_wavelet_file(&args.output)?;
+    let log = log_path(&args.output);
+    if same_file(&log, &args.script) && !(args.onto_log && same_file(&args.output, &args.file)) {
+        bail!("{}: the script would be replaced by the output's log; choose another name", log.display());
+    }
+    if log.exists() && !args.onto_log && same_file(&args.output, &args.file) {
+        bail!(
+            "{}: the file's own log would be replaced; choose another output, or --onto-log to go on from it",
+            log.display()
+        );
+    }
+    if log.exists() && !args.output.exists() {
+        bail!("{}: a log without its wavelet file lies here; choose another name", log.display());
+    }
+    Ok(())
+}
+
+/// Whether two paths lead to one file.
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 fn play(args: &Args) -> Result<()> {

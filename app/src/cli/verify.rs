@@ -3,8 +3,8 @@
 use super::input::{LogArgs, load_complete, load_mesh, tell};
 use super::output;
 use super::progress::Progress;
-use crate::opening::is_wavelet_file;
 use anyhow::{Context, Result, bail};
+use bozzetto_core::file::is_wavelet_file;
 use bozzetto_core::mesh::{CompareOptions, compare};
 use bozzetto_core::surface::Surface;
 use std::fmt::Write;

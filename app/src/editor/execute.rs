@@ -9,10 +9,10 @@ use super::preview::Preview;
 use super::shown_name;
 use super::viewport::orbit_angles;
 use super::worker::{Done, Outcome, Returned, Work};
-use crate::opening;
 use crate::render::BoundingSphere;
 use bozzetto_core::disk::{Disk, Vfs};
 use bozzetto_core::edit::{Edit, EditError, Kind};
+use bozzetto_core::file::{is_wavelet_file, mend_of};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::io::{MeshFormat, write_mesh};
 use bozzetto_core::session::{OpenOptions, Opened, Session};
@@ -278,7 +278,7 @@ impl Editor {
     // ---- documents ----------------------------------------------------------------------------------------
 
     pub(super) fn open(&mut self, ctx: &egui::Context, path: PathBuf) {
-        if !opening::is_wavelet_file(&path) {
+        if !is_wavelet_file(&path) {
             self.open_mesh(ctx, path);
             return;
         }
@@ -319,7 +319,7 @@ impl Editor {
         self.let_go();
         let title = format!("Writing {}", shown_name(&path));
         self.send_session(ctx, title, move |session| {
-            let path = if opening::is_wavelet_file(&path) { path } else { path.with_added_extension("boz") };
+            let path = if is_wavelet_file(&path) { path } else { path.with_added_extension("boz") };
             session.save_copy(&path).map_err(|e| e.to_string())?;
             Ok(Done::Wrote(format!("A copy is in {}", path.display())))
         });
@@ -336,7 +336,7 @@ impl Editor {
             let surface = session.surface();
             let mesh = surface.to_mesh(Level(level).min(surface.finest()));
             write_mesh(&mesh, format, &mut bytes).map_err(|e| format!("{}: {e}", path.display()))?;
-            Disk.replace(&path, &bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+            Disk.replace(&path, &bytes).map_err(|e| format!("{}: {e}; {}", path.display(), mend_of(&e)))?;
             Ok(Done::Wrote(format!("Level {level} is in {}", path.display())))
         });
     }
@@ -344,7 +344,7 @@ impl Editor {
     /// Whether the open surface has edits and no file that keeps them.
     fn would_lose_edits(&self) -> bool {
         let session = self.document.as_ref().map(|d| &d.session);
-        session.is_some_and(|s| s.path().is_none() && s.history_len() > 0)
+        session.is_some_and(|s| s.journal_failure().is_some() || s.path().is_none() && s.history_len() > 0)
     }
 
     /// Shows a surface just opened, in place of the one that was.
@@ -365,6 +365,8 @@ impl Editor {
         self.tool = Default::default();
         self.brush = Default::default();
         self.last_stroke = None;
+        // A place on the surface that was.
+        self.copy_from = None;
         self.banner = (!notes.is_empty()).then(|| Banner { text: notes.join("\n"), failed: false });
     }
 
@@ -429,6 +431,11 @@ impl Editor {
     // ---- closing ------------------------------------------------------------------------------------------
 
     fn quit(&mut self, ctx: &egui::Context) {
+        if self.work.as_ref().is_some_and(|work| work.holds_session) {
+            // The edits are with the worker, and perhaps half a file.
+            self.closing = true;
+            return;
+        }
         let unsaved = |d: &Document| d.session.path().is_some() && d.session.is_unsaved();
         if self.would_lose_edits() || self.document.as_ref().is_some_and(unsaved) {
             self.dialog = Some(Dialog::Closing);

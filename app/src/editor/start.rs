@@ -4,12 +4,16 @@ use super::Editor;
 use super::chooser::SystemChooser;
 use super::labels::{LABELS, Labels};
 use crate::render::{Gpu, Samples, device_descriptor};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow};
 use bozzetto_core::disk::Disk;
 use bozzetto_core::file::decode;
 use bozzetto_core::session::Session;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use tracing_subscriber::Layer;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 
 /// The sample that opens when no file is named: the scan `faun.ply`, converted beforehand, for that takes seconds.
 const SCAN: &[u8] = include_bytes!("../../../assets/faun.boz");
@@ -50,6 +54,14 @@ impl Start {
     }
 }
 
+/// Lets what goes wrong beside the window be read in the terminal that it was started from.
+fn speak_on_stderr() {
+    let own = Targets::new().with_target("bozzetto", tracing::Level::WARN);
+    let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).without_time();
+    // Already done where the program opens a second window.
+    let _ = tracing_subscriber::registry().with(lines.with_filter(own)).try_init();
+}
+
 /// Opens the window on a file, or on the sample scan, and returns when it is closed.
 ///
 /// # Errors
@@ -58,11 +70,14 @@ pub fn run(file: Option<PathBuf>) -> Result<()> {
     let start = match file {
         Some(path) => {
             // A name mistyped on the command line is told there, not in a window.
-            std::fs::metadata(&path).with_context(|| path.display().to_string())?;
+            std::fs::metadata(&path).map_err(|cause| {
+                anyhow!("{}: {cause}; give a wavelet file or a mesh, or see bozzetto --help", path.display())
+            })?;
             Start::File(path)
         }
         None => Start::scan()?,
     };
+    speak_on_stderr();
     // The window's own messages about missing drivers say less than these.
     Gpu::headless()?;
     let mut options = eframe::NativeOptions {

@@ -46,7 +46,7 @@ pub enum GlobeError {
         radius: f64,
     },
     /// Too many levels.
-    #[error("a globe has 1 to 12 levels, not {levels}; choose --levels in that range")]
+    #[error("a globe has 1 to 11 levels, not {levels}; choose --levels in that range")]
     Levels {
         /// The levels asked for.
         levels: u8,
@@ -91,13 +91,13 @@ impl EquirectangularGrid {
 /// # Errors
 /// See [`GlobeError`].
 pub fn globe(grid: &EquirectangularGrid, meaning: GridMeaning, levels: u8) -> Result<Converted, GlobeError> {
-    if !(1..=12).contains(&levels) {
+    if !(1..=11).contains(&levels) {
         return Err(GlobeError::Levels { levels });
     }
     let octahedron = shapes::octahedron();
     let base = BaseMesh::new(6, octahedron.faces, &[]).expect("the octahedron is a base mesh");
     let hierarchy =
-        Hierarchy::new(Arc::new(base), Level(levels)).expect("12 levels have 67 million vertices");
+        Hierarchy::new(Arc::new(base), Level(levels)).expect("11 levels have 17 million vertices");
     let directions = directions(&hierarchy, octahedron.positions);
     let radius = |direction: [f64; 3]| match meaning {
         GridMeaning::Elevation { relief, zero } => 1.0 + relief * (grid.sample(direction) - zero),

@@ -10,7 +10,7 @@ use super::parameterise::OnFace;
 use super::simplify::{Cancelled, ask};
 use super::walk::Ground;
 use super::warp::{cell, row_index};
-use crate::hierarchy::{BaseMesh, Hierarchy, Layout, Level, Site, Slot};
+use crate::hierarchy::{BaseMesh, Hierarchy, Layout, Level, MOST_VERTICES, Site, Slot};
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -55,9 +55,9 @@ impl Lattice {
         Some(Self::new(domain, hierarchy, addresses))
     }
 
-    /// `None` if a lattice of so many levels would have too many vertices.
+    /// `None` if a lattice of so many levels would have more vertices than a surface may.
     pub(super) fn fits(domain: &Domain, levels: Level) -> Option<()> {
-        Layout::checked(&domain.base, levels).map(|_| ())
+        Layout::checked(&domain.base, levels).filter(|layout| layout.len() <= MOST_VERTICES).map(|_| ())
     }
 
     fn new(domain: &Domain, hierarchy: Hierarchy, addresses: Vec<Address>) -> Self {

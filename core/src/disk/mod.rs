@@ -37,6 +37,12 @@ pub trait Vfs: Send + Sync {
     /// Whatever the file system says; then there is still the old content or the new, whole.
     fn replace(&self, path: &Path, content: &[u8]) -> io::Result<()>;
 
+    /// Takes a file away.
+    ///
+    /// # Errors
+    /// Whatever the file system says.
+    fn remove(&self, path: &Path) -> io::Result<()>;
+
     /// Opens a file for appending after its first `keep` bytes; creates it if it is missing. What lay beyond is cut.
     ///
     /// # Errors

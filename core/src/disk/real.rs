@@ -65,19 +65,30 @@ impl Vfs for Disk {
     }
 
     fn replace(&self, path: &Path, content: &[u8]) -> io::Result<()> {
+        // What a link leads to is replaced, not the link.
+        let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let folder = folder_of(path);
-        let mut new = tempfile::Builder::new().prefix(".bozzetto-").tempfile_in(folder)?;
-        new.write_all(content)?;
+        let mut new = tempfile::Builder::new();
+        new.prefix(".bozzetto-");
         #[cfg(unix)]
         {
-            // Temporary files are private; a document is as readable as the one it replaces, or as usual.
+            // Temporary files are private; a new document is as readable as other new files are.
             use std::os::unix::fs::PermissionsExt;
-            let mode = std::fs::metadata(path).map_or(0o644, |old| old.permissions().mode());
-            new.as_file().set_permissions(std::fs::Permissions::from_mode(mode))?;
+            new.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        let mut new = new.tempfile_in(folder).map_err(nameless)?;
+        new.as_file_mut().write_all(content)?;
+        if let Ok(old) = std::fs::metadata(path) {
+            new.as_file().set_permissions(old.permissions())?;
         }
         new.as_file().sync_all()?;
         new.persist(path).map_err(|e| e.error)?;
         sync_folder(folder)
+    }
+
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        std::fs::remove_file(path)?;
+        sync_folder(folder_of(path))
     }
 
     fn append(&self, path: &Path, keep: u64) -> io::Result<Box<dyn Appender>> {
@@ -108,6 +119,11 @@ impl Vfs for Disk {
     fn exists(&self, path: &Path) -> bool {
         path.exists()
     }
+}
+
+/// An error without the name of a temporary file, which says nothing to anybody.
+fn nameless(error: io::Error) -> io::Error {
+    if error.raw_os_error().is_some() { error } else { error.kind().into() }
 }
 
 fn folder_of(path: &Path) -> &Path {

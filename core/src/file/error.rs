@@ -7,7 +7,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum FileError {
     /// The file system refused.
-    #[error("{}: {cause}; check the path and its permissions", path.display())]
+    #[error("{}: {cause}; {}", path.display(), mend_of(cause))]
     Io {
         /// The file.
         path: PathBuf,
@@ -48,6 +48,17 @@ pub enum FileError {
         /// The log.
         log: PathBuf,
     },
+}
+
+/// What would help where the file system refused.
+pub fn mend_of(cause: &std::io::Error) -> &'static str {
+    use std::io::ErrorKind;
+    match cause.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            "make room on that disk, or choose another"
+        }
+        _ => "check the path and its permissions",
+    }
 }
 
 impl FileError {

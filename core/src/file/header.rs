@@ -1,8 +1,7 @@
 //! The header as bytes, little-endian throughout.
 
 use super::progressive::Coding;
-use super::wavelet_file::MOST_VERTICES;
-use crate::hierarchy::FINEST_LEVEL;
+use crate::hierarchy::{FINEST_LEVEL, MOST_VERTICES};
 use crate::surface::{CHANNELS, Form, PRECISIONS, Placement, Surface, SurfaceHash, UpAxis};
 use crate::wavelet::{Scheme, Wavelet};
 

@@ -46,7 +46,8 @@ pub struct Log {
 /// is torn. A bad line with more after it is damage, and reading stops there.
 pub fn read_log(bytes: &[u8], journal: bool) -> Log {
     let mut log = Log::default();
-    let mut at = 0;
+    // Some editors begin a text with a byte order mark; a log never has one.
+    let mut at = if !journal && bytes.starts_with("\u{feff}".as_bytes()) { 3 } else { 0 };
     let mut number = 0;
     while at < bytes.len() {
         number += 1;

@@ -11,8 +11,8 @@ mod smaller;
 mod wavelet_file;
 
 pub use chunk::Chunk;
-pub use error::FileError;
+pub use error::{FileError, mend_of};
 pub use journal::{Journal, Log, NumberedLine, lock, log_path, read_log, write_log};
 pub use normal_mesh::{NotNormal, normal_mesh};
 pub use smaller::{NoSuchFile, Size, encode_smaller};
-pub use wavelet_file::{CurvePoint, MOST_VERTICES, Metadata, Model, decode, encode, source_by_public_id};
+pub use wavelet_file::{CurvePoint, Metadata, Model, decode, encode, is_wavelet_file, source_by_public_id};

@@ -12,7 +12,7 @@ use super::header::{self, Header};
 use super::held::surface_of;
 use super::progressive::{Encoded, Granularity};
 use super::progressive::{decode_base, decode_stream, encode_base, encode_stream};
-use crate::hierarchy::{BaseMesh, Hierarchy, Level, PublicId};
+use crate::hierarchy::{BaseMesh, Hierarchy, Level, MOST_VERTICES, PublicId};
 use crate::surface::{Surface, SurfaceHash};
 use crate::wavelet::Filters;
 use rayon::prelude::*;
@@ -34,9 +34,6 @@ const LEAST: usize = 256;
 const MOST: usize = 1 << 16;
 /// Surfaces with more finest vertices are written for speed of reading, their large levels in few steps.
 const FINE_UP_TO: usize = 1 << 17;
-
-/// The most vertices that are opened: 2^26, about 2 GB in memory.
-pub const MOST_VERTICES: u32 = 1 << 26;
 
 /// What a wavelet file says beside the surface. Not part of the surface's hash.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -94,6 +91,11 @@ impl Model {
             unknown: Vec::new(),
         }
     }
+}
+
+/// Whether a path names a wavelet file.
+pub fn is_wavelet_file(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("boz"))
 }
 
 /// Writes a wavelet file, every bit of the surface. Deterministic: equal models give equal bytes, at any number of

@@ -15,6 +15,9 @@
 use super::{BaseMesh, Level, Odd, PublicId, Slot};
 use std::sync::Arc;
 
+/// The most vertices that a surface may have, finest level: 2^26, about 2 GB in memory.
+pub const MOST_VERTICES: u32 = 1 << 26;
+
 /// The finest level the numbering allows; counts stay within `u32` by [`Layout::checked`].
 pub const FINEST_LEVEL: u8 = 15;
 

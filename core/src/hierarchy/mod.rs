@@ -15,7 +15,7 @@ mod tables;
 pub use address::Address;
 pub use base_mesh::{BaseMesh, EdgeSide, Fan, NotABaseMesh};
 pub use ids::{Level, Odd, PublicId, Slot};
-pub use layout::{FINEST_LEVEL, Layout, Site};
+pub use layout::{FINEST_LEVEL, Layout, MOST_VERTICES, Site};
 pub use neighbourhood::{DIRECTIONS, Ring};
 pub use subtriangle::Subtriangle;
 pub use tables::{Hierarchy, row_slots};

@@ -20,7 +20,8 @@ pub use replay::{ReplayError, ReplayReason, effective};
 use crate::disk::Vfs;
 use crate::edit::{BrushStroke, Edit, EditError, Entry, Equaliser, Glimpse, Line, Step};
 use crate::file::{
-    FileError, Journal, Metadata, Model, NumberedLine, decode, encode, lock, log_path, write_log,
+    FileError, Journal, Metadata, Model, NumberedLine, decode, encode, is_wavelet_file, lock, log_path,
+    write_log,
 };
 use crate::surface::{Changes, Surface, SurfaceHash};
 use attic::{Attic, LogText};
@@ -53,6 +54,15 @@ pub enum SessionError {
     /// A partial file cannot be edited.
     #[error("{} is incomplete, and only a complete wavelet file can be edited; get the rest of the file", path.display())]
     Partial {
+        /// The wavelet file.
+        path: PathBuf,
+    },
+    /// The edits of a log cannot be applied to a partial file.
+    #[error(
+        "{} is incomplete, and the log beside it needs all of it; get the rest of the file, or take it without the log (--base)",
+        path.display()
+    )]
+    PartialWithLog {
         /// The wavelet file.
         path: PathBuf,
     },
@@ -389,7 +399,10 @@ impl Session {
         let write = |bytes: &[u8]| vfs.replace(path, bytes).map_err(|cause| io_error(path, cause));
         if !vfs.exists(path) {
             let length = write_log(vfs, path, self.original, log)?;
-            write(bytes)?;
+            write(bytes).inspect_err(|_| {
+                // A log without its file would be taken for that of the next file of this name.
+                let _ = vfs.remove(&log_path(path));
+            })?;
             return Journal::open(vfs, path, length, lock);
         }
         let old = vfs.read(path).map_err(|cause| io_error(path, cause))?;
@@ -463,7 +476,7 @@ fn io_error(path: &Path, cause: std::io::Error) -> FileError {
 
 /// The path with the extension `.boz`, added where it is missing.
 fn with_extension(path: &Path) -> PathBuf {
-    if path.extension().is_some_and(|e| e == "boz") {
+    if is_wavelet_file(path) {
         path.to_owned()
     } else {
         let mut name = path.as_os_str().to_owned();

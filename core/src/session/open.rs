@@ -102,7 +102,7 @@ pub fn open_model(
     let Parts { mut model, lines, log, mut notes, .. } = read_parts(vfs, path, options)?;
     if !model.complete {
         if !lines.is_empty() {
-            return Err(SessionError::Partial { path: path.to_owned() });
+            return Err(SessionError::PartialWithLog { path: path.to_owned() });
         }
         notes.push(format!("{} is incomplete: missing detail is left out", path.display()));
     }

@@ -23,7 +23,7 @@ pub enum ReplayReason {
     #[error("{0}")]
     Refused(#[from] EditError),
     /// Fewer steps were made than are to be undone.
-    #[error("it undoes {wanted} steps, but there are only {there}")]
+    #[error("it undoes {}, but there are only {there}", steps(*.wanted))]
     NothingToUndo {
         /// As many as the line says.
         wanted: u32,
@@ -31,7 +31,7 @@ pub enum ReplayReason {
         there: usize,
     },
     /// Fewer steps were undone than are to be redone.
-    #[error("it redoes {wanted} steps, but there are only {there}")]
+    #[error("it redoes {}, but there are only {there}", steps(*.wanted))]
     NothingToRedo {
         /// As many as the line says.
         wanted: u32,
@@ -86,6 +86,10 @@ pub(super) fn perform(surface: &mut Surface, record: &mut Record, edit: Edit) ->
     let planned = plan(surface, &edit)?;
     let (step, _) = Step::apply(surface, edit, planned)?;
     Ok(record.edit(surface, step))
+}
+
+fn steps(count: u32) -> String {
+    if count == 1 { "a step".to_owned() } else { format!("{count} steps") }
 }
 
 /// Replays one entry; old steps go to the attic when they outgrow its budget.

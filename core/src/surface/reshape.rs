@@ -4,15 +4,12 @@
 //! each change is undone by its counterpart, to the bit.
 
 use super::{Mask, Surface, Vector};
-use crate::hierarchy::{BaseMesh, Hierarchy, Layout, Level, Site, Slot, Subtriangle};
+use crate::hierarchy::{BaseMesh, Hierarchy, Layout, Level, MOST_VERTICES, Site, Slot, Subtriangle};
 use crate::wavelet::{Filters, ValenceTooHigh};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 use thiserror::Error;
-
-/// Most vertices of a finest level that is added: the most a wavelet file may hold.
-const MOST_VERTICES: u32 = 1 << 26;
 
 /// Why a surface cannot have other levels.
 #[derive(Debug, Error, Clone, PartialEq, Eq)]
@@ -28,8 +25,7 @@ pub enum NotReshaped {
 impl Surface {
     /// The number of vertices another level would have; none if that is too many.
     pub fn vertices_of_next_level(&self) -> Option<u32> {
-        let next = self.finest().finer();
-        let layout = Layout::checked(self.hierarchy().base(), next)?;
+        let layout = Layout::checked(self.hierarchy().base(), self.finest().finer())?;
         (layout.len() <= MOST_VERTICES).then(|| layout.len())
     }
 

@@ -139,6 +139,10 @@ impl Vfs for FailingDisk {
         Ok(())
     }
 
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        self.whole(path, || self.disk.remove(path))
+    }
+
     fn append(&self, path: &Path, keep: u64) -> io::Result<Box<dyn Appender>> {
         let file = self.whole(path, || self.disk.append(path, keep))?;
         Ok(Box::new(FailingAppender { on: self.clone(), path: path.to_owned(), file }))

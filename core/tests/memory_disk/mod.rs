@@ -117,6 +117,11 @@ impl Vfs for MemoryDisk {
         Ok(())
     }
 
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        let gone = self.state().files.remove(path);
+        gone.map(|_| ()).ok_or_else(|| io::ErrorKind::NotFound.into())
+    }
+
     fn append(&self, path: &Path, keep: u64) -> io::Result<Box<dyn Appender>> {
         // As with a real file, the cut itself is durable only with the next sync.
         self.change(path, |content| content.cached.resize(keep as usize, 0));

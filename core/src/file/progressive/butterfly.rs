@@ -66,10 +66,13 @@ pub(super) fn by_rows<T: Send>(
     let crossed = across_base_edges(coarse, positions, curves);
     let mut beside = vec![[0; 3]; 3 * n * base.faces().len()];
     let tasks = faces.into_par_iter().zip(beside.par_chunks_mut(3 * n)).enumerate();
-    tasks.with_min_len(1024 / (n * n) + 1).for_each_init(Rows::default, |rows, (face, (mut inside, beside))| {
-        let face = Face { coarse, positions, crossed: &crossed, face: face as u32 };
-        rows.of_face(&face, beside, |row, bends| take(&mut inside, row, bends));
-    });
+    tasks.with_min_len(1024 / (n * n) + 1).for_each_init(
+        Rows::default,
+        |rows, (face, (mut inside, beside))| {
+            let face = Face { coarse, positions, crossed: &crossed, face: face as u32 };
+            rows.of_face(&face, beside, |row, bends| take(&mut inside, row, bends));
+        },
+    );
     let mut on_edges = vec![[0; 3]; n * base.edges().len()];
     for (edge, on_edge) in on_edges.chunks_mut(n).enumerate() {
         let edge = edge as u32;
@@ -239,9 +242,10 @@ impl Rows {
 
             if r > 0 {
                 bends.clear();
-                bends.extend((0..len).map(|i| {
-                    sixteenth(plus(plus(up[i], down[i]), plus(down_below[i], up_below[i + 1])))
-                }));
+                bends
+                    .extend((0..len).map(|i| {
+                        sixteenth(plus(plus(up[i], down[i]), plus(down_below[i], up_below[i + 1])))
+                    }));
                 take(2 * r, bends);
             }
             if len > 1 {
