@@ -3,7 +3,9 @@
 use super::choices::{ImportChoices, ImportFrom};
 use super::chooser::Purpose;
 use super::command::Command;
+use bozzetto_core::file::is_wavelet_file;
 use bozzetto_core::io::MeshFormat;
+use std::path::PathBuf;
 use std::sync::LazyLock;
 
 /// Endings of wavelet files.
@@ -76,6 +78,18 @@ impl PathTask {
             PathTask::SaveAs => ("Save as", "Save file"),
             PathTask::SaveCopy => ("Save a baked copy", "Save copy"),
             PathTask::Export { .. } => ("Export a mesh", "Export mesh"),
+        }
+    }
+
+    /// What is written for a path as it was typed; `None` if nothing is written.
+    pub fn target(&self, typed: &str) -> Option<PathBuf> {
+        let path = PathBuf::from(typed.trim());
+        match self {
+            PathTask::Open => None,
+            PathTask::SaveAs | PathTask::SaveCopy if !is_wavelet_file(&path) => {
+                Some(path.with_added_extension("boz"))
+            }
+            _ => Some(path),
         }
     }
 

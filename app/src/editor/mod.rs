@@ -96,6 +96,8 @@ pub struct Editor {
     /// The camera is to be fitted once the picture's size is known.
     refit: bool,
     leaving: bool,
+    /// The window was to close while a worker had the session.
+    closing: bool,
     title: String,
 }
 
@@ -155,6 +157,7 @@ impl Editor {
             picture: Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(924.0, 772.0)),
             refit: false,
             leaving: false,
+            closing: false,
             title: String::new(),
         };
         match start {
@@ -404,6 +407,9 @@ impl Editor {
         }
         if ctx.input(|i| i.viewport().close_requested()) && !self.leaving {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            commands.push(Command::Quit);
+        }
+        if self.work.is_none() && std::mem::take(&mut self.closing) {
             commands.push(Command::Quit);
         }
         if !commands.is_empty() {

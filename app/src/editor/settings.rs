@@ -175,6 +175,7 @@ impl Settings {
             Kind::Wavelet => self.level.finer(),
         };
         self.shown = self.shown.min(finest);
+        self.erase_to = self.erase_to.map(|to| to.min(finest.0.saturating_sub(1)));
         if self.shown < visible_from {
             self.shown = visible_from;
             note.get_or_insert(format!(

@@ -68,9 +68,19 @@ fn path_dialog(ui: &mut egui::Ui, task: PathTask, path: &str, seen: &Seen<'_>, c
     if edited != path || task_now != task {
         commands.push(Command::Ask(Dialog::Path { task: task_now, path: edited.clone() }));
     }
+    // The file that is open is saved, not replaced.
+    let own = seen.document.and_then(|d| d.session.path());
+    let replaced = task_now.target(&edited).filter(|path| path.is_file() && own != Some(path));
+    if let Some(name) = replaced.as_ref().and_then(|path| path.file_name()) {
+        let log = if task == PathTask::SaveAs { ", and its log with it" } else { "" };
+        let text = format!("{} is there already and would be replaced{log}.", name.to_string_lossy());
+        ui.colored_label(ui.visuals().warn_fg_color, text);
+    }
     ui.add_space(8.0);
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let ready = !edited.trim().is_empty();
+        // Enter alone replaces nothing.
+        let (verb, confirmed) = if replaced.is_some() { ("Replace file", false) } else { (verb, confirmed) };
         if (ui.add_enabled(ready, egui::Button::new(verb).fill(theme::ACCENT)).clicked() || confirmed)
             && ready
         {
@@ -121,11 +131,13 @@ fn command(task: PathTask, path: PathBuf) -> Command {
 fn closing(ui: &mut egui::Ui, seen: &Seen<'_>, commands: &mut Vec<Command>) {
     ui.heading("Close with unsaved edits?");
     ui.add_space(4.0);
-    let has_file = seen.document.is_some_and(|d| d.session.path().is_some());
-    ui.label(if has_file {
-        "Keep leaves the edits in the log, as they are now. Discard goes back to the last save."
-    } else {
-        "This surface has no file yet. Save it, or discard its edits for good."
+    let session = seen.document.map(|d| &d.session);
+    let fails = session.is_some_and(|s| s.journal_failure().is_some());
+    let has_file = session.is_some_and(|s| s.path().is_some()) && !fails;
+    ui.label(match (has_file, fails) {
+        (true, _) => "Keep leaves the edits in the log, as they are now. Discard goes back to the last save.",
+        (_, true) => "The last edits are not on the disk, for the log cannot be written. Save under another name, or discard them.",
+        _ => "This surface has no file yet. Save it, or discard its edits for good.",
     });
     ui.add_space(8.0);
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -148,7 +160,7 @@ fn closing(ui: &mut egui::Ui, seen: &Seen<'_>, commands: &mut Vec<Command>) {
 fn losing(ui: &mut egui::Ui, command: &Command, commands: &mut Vec<Command>) {
     ui.heading("Lose the edits of this surface?");
     ui.add_space(4.0);
-    ui.label("It has no file yet that keeps them. Save it first, or give its edits up.");
+    ui.label("No file keeps them yet, or its log cannot be written. Save them first, or give them up.");
     ui.add_space(8.0);
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         if ui.add(egui::Button::new("Save as…").fill(theme::ACCENT)).clicked() {
