@@ -64,7 +64,7 @@ pub(super) struct Parts<'a> {
 /// Codes the block; or says which odd vertex is the first that is not all there.
 pub(super) fn finish<C: Coder>(coder: &mut C, models: &mut Models, level: &mut Parts) -> Result<(), u32> {
     let (coarse, fine) = (level.coarse, level.fine);
-    visit(coarse, fine, |place| vertex(coder, models, level, place))
+    visit(coarse, fine, |place| coder.together(|coder| vertex(coder, models, level, place)))
 }
 
 #[inline(always)]

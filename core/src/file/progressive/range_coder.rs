@@ -74,6 +74,10 @@ pub(super) trait Coder: Send {
     /// Whether more was asked for than is there; what was read last means nothing then.
     fn is_exhausted(&self) -> bool;
 
+    /// Codes several symbols one after another. A decoder does so on a copy of its own, which stays in registers: what is stored
+    /// meanwhile could else be part of it, and each bit waits for the one before.
+    fn together<T>(&mut self, code: impl FnOnce(&mut Self) -> T) -> T;
+
     /// Any number of bits up to 32 without a model.
     #[inline(always)]
     fn long_raw(&mut self, count: u32, bits: u32) -> u32 {
@@ -189,6 +193,11 @@ impl Coder for Encoder {
     fn is_exhausted(&self) -> bool {
         false
     }
+
+    #[inline(always)]
+    fn together<T>(&mut self, code: impl FnOnce(&mut Self) -> T) -> T {
+        code(self)
+    }
 }
 
 /// Reads a stream, or as much of it as there is.
@@ -280,15 +289,28 @@ impl Coder for Decoder<'_> {
     #[inline(always)]
     fn raw(&mut self, count: u32, _: u32) -> u32 {
         self.range >>= count;
-        // A sound stream never exceeds the most; a forged one must not either.
-        let bits = ((self.window >> 32) as u32 / self.range).min((1 << count) - 1);
+        // A sound stream never exceeds the most; a forged one must not either. A single bit needs no division.
+        let code = (self.window >> 32) as u32;
+        let bits = match count {
+            1 => u32::from(code >= self.range),
+            _ => (code / self.range).min((1 << count) - 1),
+        };
         self.window -= u64::from(bits * self.range) << 32;
         self.normalise();
         bits
     }
 
+    #[inline(always)]
     fn is_exhausted(&self) -> bool {
         self.position() > self.bytes.len()
+    }
+
+    #[inline(always)]
+    fn together<T>(&mut self, code: impl FnOnce(&mut Self) -> T) -> T {
+        let mut copy = *self;
+        let result = code(&mut copy);
+        *self = copy;
+        result
     }
 }
 

@@ -47,8 +47,12 @@ impl Details {
         if self.known.is_empty() {
             return vec![[0; 3]; coarse.odd_len() as usize];
         }
+        let whole = self.is_whole();
         of_odds(coarse, fine, |odd, slot, _| {
             let known = self.known[slot as usize];
+            if whole {
+                return self.frames[odd as usize].turn_back(known);
+            }
             let mut local = [0; 3];
             for (class, range) in CLASSES.into_iter().enumerate() {
                 let plane = match self.cut {
