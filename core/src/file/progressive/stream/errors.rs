@@ -101,9 +101,11 @@ fn squared_distance(layout: &Layout, positions: &[Vector], start: Site, p: DVec3
     let sites = |triangle: Subtriangle| {
         triangle.corners().map(|[i, r]| layout.site_at(triangle.face, [layout.segments() - i - r, i, r]))
     };
-    let squared = |triangle: Subtriangle| {
+    // The distance, where it may be below what there is.
+    let squared = |triangle: Subtriangle, best: f64| {
         let place = |site: Site| DVec3::from_array(positions[layout.slot(site).index()].map(f64::from));
-        closest_on_triangle(p, &sites(triangle).map(place)).1
+        let corners = sites(triangle).map(place);
+        if beyond(p, &corners, best) { best } else { closest_on_triangle(p, &corners).1 }
     };
     let mut best: (f64, Option<Subtriangle>) = (f64::INFINITY, None);
     let (mut corners, mut looked_at) = (vec![start], Vec::with_capacity(32));
@@ -120,7 +122,7 @@ fn squared_distance(layout: &Layout, positions: &[Vector], start: Site, p: DVec3
                     continue;
                 }
                 looked_at.push(triangle);
-                let found = squared(triangle);
+                let found = squared(triangle, best.0);
                 if found < best.0 {
                     best = (found, Some(triangle));
                 }
@@ -131,6 +133,12 @@ fn squared_distance(layout: &Layout, positions: &[Vector], start: Site, p: DVec3
             _ => return best.0,
         }
     }
+}
+
+/// Whether a triangle's box is farther away than a squared distance, by more than rounding can make.
+fn beyond(p: DVec3, [a, b, c]: &[DVec3; 3], squared: f64) -> bool {
+    let off = (a.min(*b).min(*c) - p).max(p - a.max(*b).max(*c)).max(DVec3::ZERO);
+    off.length_squared() > squared * (1.0 + 1e-6) + 1e-6
 }
 
 /// Numbers below a count, evenly spread by the golden ratio.
