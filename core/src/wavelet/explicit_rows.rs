@@ -36,6 +36,8 @@ impl Known {
 pub(super) struct ExplicitRows {
     /// The row of a slot; empty on coarse levels, where every vertex has one, in their order.
     numbers: FxHashMap<u32, u32>,
+    /// The vertex of each row, by slot; empty on coarse levels.
+    slots: Vec<u32>,
     /// Where each row begins, and where the last ends.
     starts: Vec<u32>,
     /// Those of a row, the last odd vertex last.
@@ -47,24 +49,27 @@ impl ExplicitRows {
     pub(super) fn new(known: &Known, (layout, finer): (&Layout, &Layout), wavelet: Wavelet) -> Self {
         let Wavelet::Disc(k) = wavelet else { return Self::default() };
         let base = layout.base();
+        let all_apexes = (0..base.vertex_count()).all(|v| cones::is_apex(base, v));
         if is_coarse(layout, wavelet) {
             let odds: Vec<Odd> = (0..layout.odd_len()).map(Odd).collect();
-            let rings = Rings::new(layout);
             let cones = (layout.level() == cones::COARSEST).then(|| OnCoarsest::new(&known.cones, layout));
+            // Every odd vertex is near some base vertex.
+            let rings = (cones.is_none() || !all_apexes).then(|| Rings::new(layout));
             let (starts, taps) = collected(&odds, layout.len(), |odd, scratch, found| {
-                let mut each = |slot, weight| found.push((slot, odd, weight));
+                let mut each = |slot, weight| found.push((slot, weight));
                 let in_cone =
                     |cones: &OnCoarsest| cones.updated(finer.chart(layout.odd_site(odd)), &mut each);
                 if !cones.as_ref().is_some_and(in_cone) {
-                    known.coarse.updated(&known.solver, (layout, &rings), (odd, k), scratch, &mut each);
+                    let rings = rings.as_ref().expect("no cone for want of an apex alone");
+                    known.coarse.updated(&known.solver, (layout, rings), (odd, k), scratch, &mut each);
                 }
             });
-            return Self { numbers: FxHashMap::default(), starts, taps };
+            return Self { numbers: FxHashMap::default(), slots: Vec::new(), starts, taps };
         }
-        let mut sites = irregular_sites(layout, wavelet);
+        let mut sites = if all_apexes { Vec::new() } else { irregular_sites(layout, wavelet) };
         sites.retain(|&site| !cones::is_in_cone(layout, site, k));
-        let mut numbers: FxHashMap<u32, u32> =
-            sites.iter().zip(0..).map(|(&site, at)| (layout.slot(site).0, at)).collect();
+        let mut slots: Vec<u32> = sites.iter().map(|&site| layout.slot(site).0).collect();
+        let mut numbers: FxHashMap<u32, u32> = slots.iter().zip(0..).map(|(&slot, at)| (slot, at)).collect();
         // Every odd vertex whose disc can reach one of these: edges with an end within k edges of one.
         let mut odds: Vec<Odd> = layout
             .disc(&sites, k)
@@ -83,7 +88,7 @@ impl ExplicitRows {
             let stencil = known.regular.stencil(layout, site).unwrap_or_else(solve);
             for (v, weight) in stencil.vertices.into_iter().zip(stencil.weights) {
                 if let Some(&row) = numbers.get(&layout.slot(v).0) {
-                    found.push((row, odd, weight));
+                    found.push((row, weight));
                 }
             }
         });
@@ -91,11 +96,19 @@ impl ExplicitRows {
             known.cones.iter().map(|(&valence, cone)| (valence, cone.on(layout))).collect();
         for vertex in (0..base.vertex_count()).filter(|&v| cones::is_apex(base, v) && !base.is_regular(v)) {
             cones[&base.fan(vertex).corners.len()].each_row(vertex, &mut taps, |site, taps| {
-                numbers.insert(layout.slot(site).0, starts.len() as u32 - 1);
+                slots.push(layout.slot(site).0);
                 starts.push(taps.len() as u32);
             });
         }
-        Self { numbers, starts, taps }
+        numbers.reserve(slots.len() - numbers.len());
+        numbers.extend((sites.len()..slots.len()).map(|at| (slots[at], at as u32)));
+        Self { numbers, slots, starts, taps }
+    }
+
+    /// The irregular vertices of a level that is not coarse, by slot, each with its taps.
+    pub(super) fn all(&self) -> impl IndexedParallelIterator<Item = (Slot, &[(Odd, i32)])> {
+        let rows = self.starts.par_windows(2).map(|ends| &self.taps[ends[0] as usize..ends[1] as usize]);
+        self.slots.par_iter().map(|&slot| Slot(slot)).zip(rows)
     }
 
     /// The taps of an irregular vertex.
@@ -112,26 +125,36 @@ impl ExplicitRows {
 fn collected(
     odds: &[Odd],
     count: u32,
-    updated: impl Fn(Odd, &mut Scratch, &mut Vec<(u32, Odd, i32)>) + Sync,
+    updated: impl Fn(Odd, &mut Scratch, &mut Vec<(u32, i32)>) + Sync,
 ) -> (Vec<u32>, Vec<(Odd, i32)>) {
+    // What each odd vertex of a run updates, and where that ends.
     let of_run = |scratch: &mut Scratch, run: &[Odd]| {
-        let mut found = Vec::with_capacity(24 * run.len());
-        run.iter().for_each(|&odd| updated(odd, scratch, &mut found));
-        found
+        let (mut found, mut ends) = (Vec::with_capacity(24 * run.len()), Vec::with_capacity(run.len()));
+        for &odd in run {
+            updated(odd, scratch, &mut found);
+            ends.push(found.len());
+        }
+        (found, ends)
     };
-    let runs = odds.par_chunks((odds.len() / 64).max(RUN));
-    let by_odd: Vec<Vec<(u32, Odd, i32)>> = runs.map_init(Scratch::default, of_run).collect();
+    let per_run = (odds.len() / 64).max(RUN);
+    let by_odd: Vec<_> = odds.par_chunks(per_run).map_init(Scratch::default, of_run).collect();
     let mut starts = vec![0; count as usize + 1];
-    by_odd.iter().flatten().for_each(|&(row, ..)| starts[row as usize + 1] += 1);
+    by_odd.iter().flat_map(|(found, _)| found).for_each(|&(row, _)| starts[row as usize + 1] += 1);
     for row in 0..count as usize {
         starts[row + 1] += starts[row];
     }
     let mut next = starts.clone();
     let mut taps = vec![(Odd(0), 0); starts[count as usize] as usize];
-    for &(row, odd, weight) in by_odd.iter().flatten() {
-        let at = &mut next[row as usize];
-        taps[*at as usize] = (odd, weight);
-        *at += 1;
+    for (run, (found, ends)) in odds.chunks(per_run).zip(&by_odd) {
+        let mut from = 0;
+        for (&odd, &end) in run.iter().zip(ends) {
+            for &(row, weight) in &found[from..end] {
+                let at = &mut next[row as usize];
+                taps[*at as usize] = (odd, weight);
+                *at += 1;
+            }
+            from = end;
+        }
     }
     (starts, taps)
 }

@@ -12,6 +12,7 @@ use super::weights::{LARGEST_DISC, WeightSolver};
 use crate::hierarchy::{BaseMesh, Hierarchy, Layout, Level, Odd, Site, Slot};
 use crate::mesh::shapes;
 use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 use thiserror::Error;
 
@@ -119,6 +120,15 @@ impl Filters {
             return [0; N];
         }
         explicit_sum(self.explicit[level.index()].row(Slot(slot as u32)), d)
+    }
+
+    /// [`Filters::gather`] for all irregular even vertices of a level that is not coarse, by slot.
+    pub(super) fn irregular_sums<const N: usize>(
+        &self,
+        level: Level,
+        d: &[[i32; N]],
+    ) -> impl IndexedParallelIterator<Item = (Slot, [i64; N])> {
+        self.explicit[level.index()].all().map(move |(slot, row)| (slot, explicit_sum(row, d)))
     }
 
     /// The taps of an irregular even vertex.

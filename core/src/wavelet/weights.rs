@@ -201,13 +201,16 @@ impl WithSimd for Solve<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Vec<i32> {
-        let Self { matrix, right } = self;
-        let n = right.len();
+        let n = self.right.len();
         if n == 0 {
             return Vec::new();
         }
+        // Discs are listed from the middle. Vertices at the rim have few neighbours, so from there most of a column is zero and
+        // stays so. A symmetric matrix is turned round like a list.
+        let backwards = |numbers: &[f64]| numbers.iter().rev().copied().collect::<Vec<f64>>();
+        let (matrix, right) = (backwards(self.matrix), backwards(self.right));
         // Column after column is taken off the rest; `upper` has Lᵀ row by row, and what is left of the matrix.
-        let (mut upper, mut diagonal) = (matrix.to_vec(), vec![0.0; n]);
+        let (mut upper, mut diagonal) = (matrix.clone(), vec![0.0; n]);
         for m in 0..n {
             let (above, below) = upper.split_at_mut((m + 1) * n);
             let column = &mut above[m * n..];
@@ -215,7 +218,6 @@ impl WithSimd for Solve<'_> {
             column[m + 1..].iter_mut().for_each(|x| *x /= diagonal[m]);
             for (i, row) in (m + 1..n).zip(below.chunks_exact_mut(n)) {
                 let own = column[i];
-                // Most entries of the matrix are zero, and the first columns leave most of them so.
                 if own == 0.0 {
                     continue;
                 }
@@ -224,8 +226,8 @@ impl WithSimd for Solve<'_> {
                 }
             }
         }
-        let mut s = substituted(&upper, &diagonal, right.to_vec());
-        let mut residual = right.to_vec();
+        let mut s = substituted(&upper, &diagonal, right.clone());
+        let mut residual = right;
         for (&s, column) in s.iter().zip(matrix.chunks_exact(n)) {
             for (left, &entry) in residual.iter_mut().zip(column) {
                 *left -= entry * s;
@@ -234,7 +236,7 @@ impl WithSimd for Solve<'_> {
         for (s, correction) in s.iter_mut().zip(substituted(&upper, &diagonal, residual)) {
             *s += correction;
         }
-        s.iter().map(|s| (s * f64::from(1 << WEIGHT_BITS)).round() as i32).collect()
+        s.iter().rev().map(|s| (s * f64::from(1 << WEIGHT_BITS)).round() as i32).collect()
     }
 }
 

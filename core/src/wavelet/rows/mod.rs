@@ -26,9 +26,9 @@ mod update;
 mod window;
 
 use super::lifting::{self, minus, plus, rounded};
-use super::regularity::{irregular_sites, is_coarse, regular_run};
+use super::regularity::{is_coarse, is_regular, regular_run};
 use super::{Filters, Wavelet};
-use crate::hierarchy::{Hierarchy, Layout, Level, Site};
+use crate::hierarchy::{Hierarchy, Layout, Level, Site, Slot};
 use analysis::Output;
 use border::Border;
 use chart::Chart;
@@ -100,12 +100,11 @@ pub fn analyse_level_into<const N: usize>(
     if !serves(coarse, filters.wavelet()) {
         return coarse::analyse(filters, coarse, finer, (details, coarser));
     }
-    let (faces_details, faces_coarser) = (&mut *details, &mut *coarser);
-    let by_faces = || {
+    let exact = {
         let engine = Engine { filters, arch: arch(instructions) };
         let (base, n) = (coarse.base(), coarse.segments() as usize);
-        let details = split_by_face(base, faces_details, n, 3 * n * (n - 1) / 2);
-        let evens = &mut faces_coarser[base.vertex_count() as usize..];
+        let details = split_by_face(base, details, n, 3 * n * (n - 1) / 2);
+        let evens = &mut coarser[base.vertex_count() as usize..];
         let evens = split_by_face(base, evens, n - 1, (n - 1) * (n - 2) / 2);
         let faces = details.into_par_iter().zip(evens).enumerate();
         faces
@@ -118,30 +117,25 @@ pub fn analyse_level_into<const N: usize>(
             )
             .reduce(|| true, |a, b| a & b)
     };
-    let (exact, sites) = rayon::join(by_faces, || left_by_faces(coarse, filters.wavelet()));
     if !exact {
         let (d, c) = lifting::analyse_level(hierarchy, filters, level, finer);
         details.copy_from_slice(&d);
         coarser.copy_from_slice(&c);
         return;
     }
-    let updated: Vec<[i32; N]> = sites
-        .par_iter()
-        .with_min_len(SITES)
-        .map(|&site| {
-            let even = fine.slot(Layout::refine(site));
-            plus(finer[even.index()], rounded(filters.gather(coarse, site, details)))
-        })
-        .collect();
-    for (&site, value) in sites.iter().zip(updated) {
-        coarser[coarse.slot(site).index()] = value;
+    // What rows of faces leave: base vertices, and where the constant stencil does not serve.
+    let details = &*details;
+    let even = |slot: Slot| finer[fine.slot(Layout::refine(coarse.site(slot))).index()];
+    for v in
+        (0..coarse.base().vertex_count()).filter(|&v| is_regular(coarse, Site::Base(v), filters.wavelet()))
+    {
+        let sum = filters.gather(coarse, Site::Base(v), details);
+        coarser[v as usize] = plus(even(Slot(v)), rounded(sum));
     }
-}
-
-/// What rows of faces leave of a level: base vertices, and where the constant stencil does not serve.
-fn left_by_faces(coarse: &Layout, wavelet: Wavelet) -> Vec<Site> {
-    let base = (0..coarse.base().vertex_count()).map(Site::Base);
-    base.chain(irregular_sites(coarse, wavelet)).collect()
+    let sums = filters.irregular_sums(level, details).with_min_len(SITES);
+    let updated: Vec<(Slot, [i32; N])> =
+        sums.map(|(slot, sum)| (slot, plus(even(slot), rounded(sum)))).collect();
+    updated.into_iter().for_each(|(slot, value)| coarser[slot.index()] = value);
 }
 
 /// One level of synthesis into given storage: `c^j` and `d^j` to `c^{j+1}`. `O(n_{j+1})`.
