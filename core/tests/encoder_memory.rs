@@ -1,10 +1,8 @@
 //! How much memory writing a large surface takes beside the surface.
 
-mod samples;
-
 use bozzetto_core::file::{Metadata, Model, encode};
+use bozzetto_core::surface::Surface;
 use peak_alloc::PeakAlloc;
-use samples::ball_of_radius;
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
@@ -12,7 +10,7 @@ static MEMORY: PeakAlloc = PeakAlloc;
 /// What is to be written, what was made of it, and one level as a reader has it: never all of them twice.
 #[test]
 fn writing_takes_little_beside_the_surface() {
-    let model = Model::new(ball_of_radius(8, |_| 1.0), None, Metadata::default());
+    let model = Model::new(Surface::ball(8, |_| 1.0), None, Metadata::default());
     let vertices = model.surface.scaling(model.surface.finest()).len();
     let before = MEMORY.current_usage();
     MEMORY.reset_peak_usage();
