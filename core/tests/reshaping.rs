@@ -275,6 +275,7 @@ fn something(numbers: &mut Numbers, surface: &Surface) -> Edit {
             v: 1,
         }),
         17..22 => Edit::Pull(Pull {
+            kind: Kind::Scaling,
             level,
             vertex: None,
             at: Some(place(numbers)),
