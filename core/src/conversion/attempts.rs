@@ -3,7 +3,7 @@
 
 use super::lay_out::Spacing;
 use super::remesh::RemeshOptions;
-use super::size::{MOST_TIMES, Size, finer};
+use super::size::{MOST_TIMES, MOST_TRIED, Size, finer};
 use super::unfold::MOST_LOOKS;
 use crate::mesh::{Comparison, TriangleMesh};
 
@@ -17,10 +17,8 @@ const CLOSER: f64 = 0.9;
 const POOR: f64 = 8e-3;
 /// A surface is rough from this root mean square on, over the diagonal.
 const ROUGH: f64 = 2e-4;
-/// Faces at most of attempts at a surface that is less rough.
-const MOST_ROUGH: f64 = 100_000.0;
-/// Faces at most of a surface that is made again because some are turned over.
-const MOST_TURNED: f64 = 100_000.0;
+/// Faces at most of a surface that is made again as the input is, because some are turned over.
+const MOST_AS_IS: f64 = 60_000.0;
 /// Boxes and triangles that fits may have looked at before one more attempt is made at a surface that is less rough: so many
 /// for each face made, and so many more. They take some 350 a face, of small inputs 800, where those are sound; where one lies
 /// through itself, or is crumpled, many times as many.
@@ -128,14 +126,17 @@ impl Attempts {
             let base_faces = (finest / finer(levels)) as usize;
             Size { base_faces, levels, spacing: size.spacing, closely: rough }
         };
-        if !rough {
-            let once = *made == 1 && levels > 1 && first.finest() <= MOST_TURNED;
-            return once.then(|| over(levels - 1, first.finest()));
-        }
         let most = MOST_TIMES * input.faces.len() as f64;
         let as_is = Size { spacing: Spacing::AsIs, ..over(1, most) };
+        if !rough {
+            let finer =
+                (levels > 1 && first.finest() <= MOST_TRIED).then(|| over(levels - 1, first.finest()));
+            let is_as_is = size.spacing == Spacing::AsIs;
+            let as_is = (!is_as_is && as_is.finest() <= MOST_AS_IS).then_some(as_is);
+            return [finer, as_is].into_iter().flatten().nth(*made - 1);
+        }
         let sizes = [over(levels - 1, most), as_is];
-        let allowed = |size: &&Size| size.levels > 0 && size.finest() <= MOST_ROUGH;
+        let allowed = |size: &&Size| size.levels > 0 && size.finest() <= MOST_TRIED;
         sizes.iter().filter(allowed).nth(*made - 1).copied()
     }
 }
@@ -155,7 +156,7 @@ mod tests {
     /// The sizes tried when all attempts come to the same.
     fn sizes(input: &TriangleMesh, options: &RemeshOptions, found: Found) -> Vec<Size> {
         let mut attempts = Attempts::new();
-        let first = Size::first(input.faces.len(), options);
+        let first = Size::first(input.faces.len(), 0, options);
         std::iter::successors(Some(first), |&size| attempts.next(size, &found, input, options)).collect()
     }
 
@@ -163,7 +164,7 @@ mod tests {
     fn attempts_end_when_more_faces_bring_nothing() {
         let input = subdivide(&octahedron(), 6);
         let options = RemeshOptions { tolerance: Some(1e-3), ..RemeshOptions::default() };
-        let first = Size::first(input.faces.len(), &options);
+        let first = Size::first(input.faces.len(), 0, &options);
         let sizes = |greatest: &[f64]| {
             let mut attempts = Attempts::new();
             let mut size = Some(first);
@@ -219,10 +220,12 @@ mod tests {
     }
 
     #[test]
-    fn folds_are_tried_once_over_a_finer_base_mesh_with_as_many_faces() {
+    fn folds_are_tried_over_a_finer_base_mesh_with_as_many_faces_then_as_the_input_is() {
         let (input, options) = (subdivide(&octahedron(), 5), RemeshOptions::default());
         let folded = sizes(&input, &options, found(1e-4, 1e-3, 1));
-        assert_eq!(folded.len(), 2, "{folded:?}");
+        assert_eq!(folded.len(), 3, "{folded:?}");
+        assert_eq!((folded[2].levels, folded[2].spacing), (1, Spacing::AsIs));
+        assert!(folded[2].finest() < 4.0 * input.faces.len() as f64);
         assert_eq!(folded[1].levels + 1, folded[0].levels);
         let growth = folded[1].finest() / folded[0].finest();
         assert!((0.99..=1.0).contains(&growth), "{folded:?}");

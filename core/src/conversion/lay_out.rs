@@ -34,6 +34,10 @@ const STAGES: [Stage; 9] = [
     Stage { finest: 15, rounds: &[(Level(3), 3), (Level(4), 6)], flips: false },
 ];
 
+/// Faces of the coarse lattice at most in which a first stage more is gone through, all those stages together: a fine base mesh
+/// is less twisted, and its first stages cost as much as the last ones.
+const MOST_COARSE: usize = 100_000;
+
 /// How a lattice is spaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Spacing {
@@ -46,9 +50,10 @@ pub(super) enum Spacing {
 }
 
 impl Spacing {
-    fn stages(self) -> &'static [Stage] {
+    fn stages(self, base_faces: usize) -> &'static [Stage] {
+        let first = (MOST_COARSE / (16 * base_faces)).clamp(1, GENTLE + 1);
         match self {
-            Self::Even => &STAGES,
+            Self::Even => &STAGES[GENTLE + 1 - first..],
             Self::Gentle => &STAGES[GENTLE..],
             Self::AsIs => &[],
         }
@@ -89,7 +94,7 @@ pub(super) fn lay_out(
     spacing: Spacing,
     progress: &dyn Fn(f32) -> bool,
 ) -> Result<(Lattice, Places), NoLattice> {
-    let stages = spacing.stages();
+    let stages = spacing.stages(input.domain.base.faces().len());
     let Input { ground, domain, .. } = *input;
     let first = stages.first().map_or(levels, |stage| levels.min(Level(stage.finest)));
     let mut lattice = Lattice::over(domain, first).ok_or(NoLattice::TooFine)?;
@@ -137,4 +142,16 @@ fn reveal(input: &Input, density: &mut Density, lattice: &Lattice, points: &[OnF
     );
     let edge = (4.0 / 3f64.sqrt() * density.area() / surface.faces.len() as f64).sqrt();
     density.reveal(input.mesh, &surface, points, FAR * edge);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fine_base_meshes_go_through_fewer_first_stages() {
+        let stages = |base_faces| Spacing::Even.stages(base_faces).len();
+        assert_eq!([400, 1_250, 3_125, 12_500].map(stages), [9, 9, 6, 5]);
+        assert_eq!(Spacing::Gentle.stages(400).len(), 5);
+    }
 }

@@ -78,6 +78,8 @@ pub(super) struct Mending<'a> {
     pub(super) places: &'a [DVec3],
     /// What may be looked at in turning the last faces back; see [`Unfolding`].
     pub(super) unfolding: u64,
+    /// Whether there is little to mend: without the dearer passes.
+    pub(super) briefly: bool,
 }
 
 impl Mending<'_> {
@@ -94,6 +96,9 @@ impl Mending<'_> {
         let mut bad = self.bad(&positions, &pulls, &|| progress(0.0))?;
         let mut looks = LOOKS + LOOKS_PER_FACE * self.fitted.pattern.faces().len();
         for (k, pass) in PASSES.iter().enumerate() {
+            if self.briefly && pass.starts > 1 && pass.by == Steps::Fit {
+                continue;
+            }
             let done = |part: f32| progress((k as f32 + part) / PASSES.len() as f32);
             // Half of what is left, but the last may have it all.
             let share = if k + 1 == PASSES.len() { looks } else { looks / 2 };
@@ -122,7 +127,7 @@ impl Mending<'_> {
         let stay = faces
             .filter(|(f, face)| turned.binary_search(f).is_ok() || moved(face))
             .map(|(_, face)| corners(face, &positions))
-            .filter(|&face| is_flat(face) || target.beside(face, &mut cursor).0 <= 0.0);
+            .filter(|&face| is_flat(face) || target.is_turned(face, &mut cursor));
         let count = stay.count();
         Ok((positions, count))
     }
@@ -169,7 +174,7 @@ impl Mending<'_> {
                 if !active.contains(&true) {
                     break;
                 }
-                let look = patch.look(self.target, &mut tree, &at, &active);
+                let look = patch.look(self.target, &mut tree, &at, &active, &go_on)?;
                 let scores = look.scores(&patch, pulls.rms, &active);
                 for v in (0..at.len()).filter(|&v| patch.free[v]) {
                     let part = patch.part[v] as usize;
@@ -241,9 +246,8 @@ impl Mending<'_> {
     fn turned(&self, positions: &[DVec3], go_on: &dyn Fn() -> bool) -> Result<Vec<bool>, Cancelled> {
         let of_chunk = |faces: &[[u32; 3]]| {
             let mut cursor = self.target.tree.cursor();
-            let turned = |face: &[u32; 3]| {
-                self.target.beside(face.map(|v| positions[v as usize]), &mut cursor).0 <= 0.0
-            };
+            let turned =
+                |face: &[u32; 3]| self.target.is_turned(face.map(|v| positions[v as usize]), &mut cursor);
             faces.iter().map(turned).collect::<Vec<_>>()
         };
         let faces = self.fitted.pattern.faces();
@@ -260,7 +264,7 @@ impl Mending<'_> {
 const CHUNK: usize = 1024;
 const BATCH: usize = 32;
 /// A face is flat, as bad as one that is turned over, below this part.
-const FLAT: f64 = 1e-6;
+const FLAT: f64 = 1e-4;
 /// Twice the area of a sliver is less than this part of its longest side's square.
 const SLIVER: f64 = 0.05;
 

@@ -7,7 +7,7 @@ use super::fitted::Fitted;
 use super::mend::Mending;
 use super::normal_equations::FaceBlocks;
 use super::pulls::{Pull, Pulls, barycentric};
-use super::simplify::Cancelled;
+use super::simplify::{Cancelled, ask};
 use super::target::Target;
 use crate::mesh::{BoundingVolumes, FaceIndex, TriangleMesh};
 use glam::DVec3;
@@ -17,6 +17,8 @@ use rayon::prelude::*;
 const SAME_SHEET: f64 = -0.2;
 /// Queries one thread makes in a row.
 const CHUNK: usize = 256;
+/// Chunks between two questions whether to go on.
+const BATCH: usize = 64;
 /// A turned face counts as much as so many times the root mean square of greatest distance.
 const TURNED: f64 = 12.0;
 /// Greatest distances below this many times the root mean square are alike.
@@ -181,14 +183,20 @@ impl Patch {
         self.fitted.pattern.faces()[face].map(|v| at[v as usize])
     }
 
-    /// `tree` is over the patch, from a look before, or not made yet.
+    /// `tree` is over the patch, from a look before, or not made yet. `go_on` is asked after some hundredths of a second each
+    /// time.
+    ///
+    /// # Errors
+    /// The answer was no.
     pub(super) fn look(
         &self,
         target: &Target,
         tree: &mut Option<BoundingVolumes>,
         at: &[DVec3],
         active: &[bool],
-    ) -> Nearest {
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Nearest, Cancelled> {
+        ask(go_on)?;
         let faces: Vec<u32> =
             (0..self.own as u32).filter(|&f| active[self.face_part[f as usize] as usize]).collect();
         let samples: Vec<u32> = (0..self.samples.len() as u32)
@@ -251,9 +259,16 @@ impl Patch {
             }
             found
         };
-        let back: Vec<(Pull, f64, DVec3, DVec3)> =
-            faces.par_chunks(CHUNK / 8).flat_map_iter(from_fitted).collect();
-        let forth: Vec<(u32, Pull, f64)> = samples.par_chunks(CHUNK).flat_map_iter(from_input).collect();
+        let mut back: Vec<(Pull, f64, DVec3, DVec3)> = Vec::with_capacity(faces.len() * POINTS.len());
+        for batch in faces.chunks(BATCH * CHUNK / 8) {
+            ask(go_on)?;
+            back.par_extend(batch.par_chunks(CHUNK / 8).flat_map_iter(from_fitted));
+        }
+        let mut forth: Vec<(u32, Pull, f64)> = Vec::with_capacity(samples.len());
+        for batch in samples.chunks(BATCH * CHUNK) {
+            ask(go_on)?;
+            forth.par_extend(batch.par_chunks(CHUNK).flat_map_iter(from_input));
+        }
         let mut normals = middles;
         normals[..self.own].fill(DVec3::ZERO);
         let mut turned = vec![false; self.own];
@@ -280,7 +295,7 @@ impl Patch {
             greatest[f] = greatest[f].max(distance);
             pulls.push(((self.samples.len() + number) as u32, pull));
         }
-        Nearest { pulls, from_input, from_fitted, normals, turned, greatest }
+        Ok(Nearest { pulls, from_input, from_fitted, normals, turned, greatest })
     }
 
     /// The positions after a step.

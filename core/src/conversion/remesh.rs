@@ -16,7 +16,7 @@ use super::mend::Mending;
 use super::mirror::{Laid, mirrored};
 use super::parameterise::Parameterisation;
 use super::simplify::{Cancelled, ask, simplify};
-use super::size::{Size, affordable};
+use super::size::{Size, affordable, as_is, fewest_base_faces};
 use super::symmetry::{Axis, NEARLY, mirror_plane};
 use super::target::Target;
 use super::thin::thin;
@@ -155,19 +155,22 @@ pub fn remesh(
         let plane = mirror_plane(&input, axis, &go_on)?;
         frame = frame.about(axis, plane);
     }
+    let fewest = fewest_base_faces(cleaned.connectivity.genus(), cleaned.connectivity.boundary_loops());
     let mut prepared = Prepared::new(frame.into_unit(&input), cleaned.connectivity, progress)?;
     if let Some(axis) = options.symmetric {
         let half = Half::of(&prepared.ground, &prepared.connectivity);
         prepared.half = Some(half.ok_or(RemeshError::SidesDiffer { axis })?);
     }
     let mut best: Option<(f64, Remeshed)> = None;
-    let mut next = Some(Size::first(input.faces.len(), options));
+    let mut next = Some(Size::first(input.faces.len(), fewest, options));
     let mut attempts = Attempts::new();
     let mut target = None;
     while let Some(size) = next {
         let fewer_levels = options.levels.is_none() && (best.is_none() || options.tolerance.is_none());
         let unfolding = attempts.unfolding(options);
-        let how = How { fewer_levels, sharp_angle: options.sharp_angle, unfolding };
+        let free = options.base_faces.is_none() && options.tolerance.is_none() && options.symmetric.is_none();
+        let as_is = fewer_levels && free;
+        let how = How { fewer_levels, as_is, sharp_angle: options.sharp_angle, unfolding };
         let made = match attempt(&prepared, &mut target, size, how, progress) {
             // What was made before stands.
             Err(RemeshError::TooFine { .. }) if best.is_some() => break,
@@ -271,6 +274,8 @@ struct Made {
 struct How {
     /// Whether levels are left out if the base mesh is much larger than aimed at.
     fewer_levels: bool,
+    /// Whether what lies in a tangle, and is too large to be made twice, is laid out as simplification leaves it.
+    as_is: bool,
     sharp_angle: Option<f64>,
     /// See [`Mending`].
     unfolding: u64,
@@ -281,7 +286,7 @@ fn attempt<'m>(
     prepared: &'m Prepared,
     target: &mut Option<Target<'m>>,
     size: Size,
-    How { fewer_levels, sharp_angle, unfolding }: How,
+    How { fewer_levels, as_is: may_stay, sharp_angle, unfolding }: How,
     progress: &dyn Fn(Phase, f32) -> bool,
 ) -> Result<Made, RemeshError> {
     let check = |phase| if progress(phase, 0.0) { Ok(()) } else { Err(RemeshError::Cancelled) };
@@ -318,6 +323,13 @@ fn attempt<'m>(
         simplified
     })?;
     open_ears(&mut working, &mut map);
+    if may_stay
+        && tiny_part(&working) > MOST_TINY
+        && let Some(size) = as_is(size, ground.faces.len())
+    {
+        let how = How { fewer_levels: false, as_is: false, sharp_angle, unfolding };
+        return attempt(prepared, target, size, how, progress);
+    }
     if spacing != Spacing::AsIs {
         flip_edges(&mut working, &mut map);
     }
@@ -326,7 +338,7 @@ fn attempt<'m>(
     let domain = Domain::new(&working, &map)?;
     let base_faces = sides * domain.base.faces().len();
     if fewer_levels && let Some(size) = affordable(size, base_faces, input.faces.len()) {
-        let how = How { fewer_levels: false, sharp_angle, unfolding };
+        let how = How { fewer_levels: false, as_is: false, sharp_angle, unfolding };
         return attempt(prepared, target, size, how, progress);
     }
     let ground = Ground { mesh, connectivity };
@@ -370,10 +382,29 @@ fn attempt<'m>(
         (_, false) => FIT,
     };
     let fit = fit(near, &fitted, places.clone(), &rules, &|done| progress(Phase::Fit, FITTED * done))?;
-    let mending = Mending { target: near, fitted: &fitted, sheets: &sheets, places: &places, unfolding };
+    let briefly = spacing == Spacing::AsIs;
+    let mending =
+        Mending { target: near, fitted: &fitted, sheets: &sheets, places: &places, unfolding, briefly };
     let (positions, turned) =
         mending.run(fit, &|done| progress(Phase::Fit, FITTED + (1.0 - FITTED) * done))?;
     Ok(Made { size, hierarchy, positions, faces: fitted.pattern.faces().to_vec(), turned })
+}
+
+/// A base face is tiny below this part of the mean area.
+const TINY: f64 = 0.01;
+/// Where more than this part of the base faces is tiny, they lie round tunnels much narrower than they, as noise leaves
+/// them in scans; on the surface of such a base mesh hundreds of faces would be turned over.
+const MOST_TINY: f64 = 0.05;
+
+/// What part of the faces is tiny.
+fn tiny_part(mesh: &WorkingMesh) -> f64 {
+    let area = |f: u32| {
+        let [a, b, c] = mesh.corners(f);
+        (b - a).cross(c - a).length()
+    };
+    let areas: Vec<f64> = mesh.live_faces().map(area).collect();
+    let mean = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
+    areas.iter().filter(|area| **area < TINY * mean).count() as f64 / areas.len().max(1) as f64
 }
 
 /// On four scans the first two steps take out most of the error, and no step after the sixth any.

@@ -15,6 +15,10 @@ const MOST_FINEST: f64 = 200_000.0;
 const LEVELS: u8 = 4;
 /// The fewest base faces aimed at by default.
 const FEWEST_BASE_FACES: usize = 200;
+/// And for each handle and each boundary loop: where they are many, most of the base faces lie round them, and those that are
+/// left are stretched over the rest.
+const FACES_PER_HANDLE: usize = 25;
+const FACES_PER_LOOP: usize = 6;
 /// Faces of the finest level by default at most, for each face of the input, where the base mesh has more than were aimed
 /// at: vertices stay below four times the input's.
 pub(super) const MOST_TIMES: f64 = 3.9;
@@ -45,13 +49,14 @@ pub(super) struct Size {
 }
 
 impl Size {
-    /// From the options and the faces of the input.
-    pub(super) fn first(input_faces: usize, options: &RemeshOptions) -> Self {
+    /// From the options, the faces of the input, and the fewest base faces its topology can do with.
+    pub(super) fn first(input_faces: usize, fewest: usize, options: &RemeshOptions) -> Self {
         let faces = input_faces as f64;
         let small = (faces * FINENESS_OF_SMALL).min(SMALL);
         let finest = (faces * FINENESS).max(small).min(MOST_FINEST);
         let levels = options.levels.unwrap_or_else(|| {
-            let per_face = finest / options.base_faces.unwrap_or(FEWEST_BASE_FACES) as f64;
+            let fewest = options.base_faces.unwrap_or(fewest.max(FEWEST_BASE_FACES));
+            let per_face = finest / fewest as f64;
             (0..=LEVELS).rev().find(|&j| finer(j) <= per_face).unwrap_or(0).max(1)
         });
         let faces = options.base_faces.unwrap_or((finest / finer(levels.min(12))) as usize);
@@ -85,6 +90,11 @@ impl Size {
     }
 }
 
+/// The fewest base faces aimed at by default for a surface of so many handles and boundary loops.
+pub(super) fn fewest_base_faces(genus: u32, loops: u32) -> usize {
+    FACES_PER_HANDLE * genus as usize + FACES_PER_LOOP * loops as usize
+}
+
 /// What to aim at instead where the base mesh has far more faces than were aimed at, as where handles or components are
 /// many: fewer levels over a finer base mesh. `None` if the levels are affordable.
 pub(super) fn affordable(size: Size, base_faces: usize, input_faces: usize) -> Option<Size> {
@@ -98,6 +108,17 @@ pub(super) fn affordable(size: Size, base_faces: usize, input_faces: usize) -> O
     let aim = (size.finest().min(most) / finer(levels) / MOST_OVER) as usize;
     Some(Size { base_faces: aim.max(size.base_faces), levels, ..size })
 }
+
+/// As many faces, over a base mesh of a quarter of them, where there is time for one attempt only; `None` where there is more,
+/// or the surface to be simplified has hardly more faces than that.
+pub(super) fn as_is(size: Size, ground_faces: usize) -> Option<Size> {
+    let base_faces = (size.finest() / finer(1)) as usize;
+    let large = size.finest() > MOST_TRIED && 2 * base_faces <= ground_faces;
+    large.then_some(Size { base_faces, levels: 1, spacing: Spacing::AsIs, ..size })
+}
+
+/// Faces at most of a surface that is made again another way.
+pub(super) const MOST_TRIED: f64 = 100_000.0;
 
 /// How many times as many faces as are aimed at a base mesh may have after all.
 const MOST_OVER: f64 = 1.15;
@@ -125,10 +146,32 @@ mod tests {
     }
 
     #[test]
+    fn handles_and_loops_ask_for_more_base_faces_and_fewer_levels() {
+        let options = RemeshOptions::default();
+        let of = |genus, loops| Size::first(800_000, fewest_base_faces(genus, loops), &options);
+        assert_eq!((of(0, 0).levels, of(2, 5).levels), (4, 4));
+        let (many, holes) = (of(55, 0), of(0, 1_300));
+        assert_eq!((many.levels, holes.levels), (3, 2));
+        assert!(many.base_faces >= 55 * 25 && holes.base_faces >= 1_300 * 6);
+        assert!(many.finest() > 0.9 * of(0, 0).finest());
+        let asked = RemeshOptions { base_faces: Some(700), ..options };
+        assert_eq!(Size::first(800_000, 10_000, &asked).base_faces, 700, "what was asked for is kept");
+    }
+
+    #[test]
+    fn only_what_is_too_large_to_be_made_again_is_laid_out_as_it_is_at_once() {
+        let size = Size { base_faces: 3_125, levels: 3, spacing: Spacing::Even, closely: false };
+        let stays = as_is(size, 150_000).expect("large");
+        assert_eq!((stays.base_faces, stays.levels, stays.spacing), (50_000, 1, Spacing::AsIs));
+        assert_eq!(as_is(size, 90_000), None);
+        assert_eq!(as_is(Size { levels: 2, ..size }, 150_000), None);
+    }
+
+    #[test]
     fn small_inputs_are_made_finer_but_below_four_times_their_size() {
         let options = RemeshOptions::default();
         for faces in [300usize, 2_000, 9_000, 20_000, 40_000, 120_000] {
-            let size = Size::first(faces, &options);
+            let size = Size::first(faces, 0, &options);
             let times = size.finest() / faces as f64;
             assert!(times <= 3.7, "{faces} faces: {times}");
             assert!(times >= if faces <= 20_000 { 3.3 } else { 1.6 }, "{faces} faces: {times}");

@@ -5,7 +5,7 @@
 
 use super::fitted::Fitted;
 use super::normal_equations::Symmetric;
-use super::pulls::{ALONG, Pull};
+use super::pulls::{ALONG, Pull, barycentric};
 use crate::mesh::{AreaSampler, BoundingVolumes, ClosestPointCursor, TriangleMesh};
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,10 +13,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Samples of the input for each face of the fitted surface.
 const SAMPLES_PER_FACE: f64 = 2.0;
 
-/// Normals of faces that meet where a normal is wanted are looked at if the first is no nearer than this cosine.
-const PLAIN: f64 = 0.5;
-/// They are found this far from the middle of a triangle, as a part of the way to its corners.
-const BESIDE: f64 = 1e-4;
+/// A closest point lies on an edge of the input, or in a corner, if a weight of it is less.
+const ON_EDGE: f64 = 1e-6;
+/// A triangle counts as turned over up to this cosine: coordinates in a file are rounded, and thin triangles with them.
+pub(super) const TURNED: f64 = 0.02;
 
 /// The input, ready for queries.
 pub(super) struct Target<'m> {
@@ -30,6 +30,8 @@ pub(super) struct Target<'m> {
     /// How many of the samples are spread by area; vertices follow.
     pub(super) by_area: usize,
     boundary: Option<BoundaryCurve>,
+    /// Where the faces of each vertex of the input begin, and these faces.
+    stars: (Vec<u32>, Vec<u32>),
     /// Boxes and triangles looked at by the closest points of fits so far: what attempts cost, on any machine.
     looks: AtomicU64,
 }
@@ -71,6 +73,7 @@ impl<'m> Target<'m> {
             sample_faces: Vec::new(),
             by_area: 0,
             boundary,
+            stars: stars(mesh),
             looks: AtomicU64::new(0),
         })
     }
@@ -108,20 +111,27 @@ impl<'m> Target<'m> {
     /// The cosine of a triangle's normal to that of the input nearest to its middle, the least where faces of the input
     /// meet there, or -1 without area; and how far the middle is from the input.
     pub(super) fn beside(&self, [a, b, c]: [DVec3; 3], cursor: &mut ClosestPointCursor) -> (f64, f64) {
-        let normal = (b - a).cross(c - a).try_normalize();
-        let middle = (a + b + c) / 3.0;
-        let mut at = |point: DVec3| {
-            let near = cursor.closest(point.to_array());
-            let cosine = normal.map_or(-1.0, |normal| normal.dot(self.normals[near.face.0 as usize]));
-            (cosine, near.squared_distance.sqrt())
-        };
-        let (cosine, distance) = at(middle);
-        if cosine > PLAIN || normal.is_none() {
-            return (cosine, distance);
-        }
-        let least =
-            [a, b, c].map(|corner| at(middle.lerp(corner, BESIDE)).0).into_iter().fold(cosine, f64::min);
-        (least, distance)
+        let near = cursor.closest(((a + b + c) / 3.0).to_array());
+        let distance = near.squared_distance.sqrt();
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else { return (-1.0, distance) };
+        let cosine = |f: u32| normal.dot(self.normals[f as usize]);
+        let face = self.mesh.faces[near.face.0 as usize];
+        let corners = self.mesh.corners(near.face).map(DVec3::from);
+        let weights = barycentric(corners, near.point.into());
+        let own = cosine(near.face.0);
+        let on: Vec<u32> = (0..3).filter(|&k| weights[k] >= ON_EDGE).map(|k| face[k]).collect();
+        let Some(&first) = on.first().filter(|_| on.len() < 3) else { return (own, distance) };
+        // Which of the faces there a search finds is chance.
+        let (starts, faces) = &self.stars;
+        let around = &faces[starts[first as usize] as usize..starts[first as usize + 1] as usize];
+        let there = |f: &&u32| on.iter().all(|v| self.mesh.faces[**f as usize].contains(v));
+        let has_area = |f: &&u32| self.normals[**f as usize] != DVec3::ZERO;
+        (around.iter().filter(there).filter(has_area).map(|&f| cosine(f)).fold(own, f64::min), distance)
+    }
+
+    /// Whether a triangle lies the other way than the input nearest to its middle, or nearly so.
+    pub(super) fn is_turned(&self, corners: [DVec3; 3], cursor: &mut ClosestPointCursor) -> bool {
+        self.beside(corners, cursor).0 <= TURNED
     }
 
     /// The point of the input's boundary closest to one; that itself if there is no boundary.
@@ -171,6 +181,22 @@ impl<'m> Target<'m> {
     }
 }
 
+/// Where the faces of each vertex begin, and these faces.
+fn stars(mesh: &TriangleMesh) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0u32; mesh.positions.len() + 2];
+    mesh.faces.iter().flatten().for_each(|&v| starts[v as usize + 2] += 1);
+    (2..starts.len()).for_each(|v| starts[v] += starts[v - 1]);
+    let mut faces = vec![0; 3 * mesh.faces.len()];
+    for (f, face) in (0..).zip(&mesh.faces) {
+        for &v in face {
+            let at = &mut starts[v as usize + 1];
+            faces[*at as usize] = f;
+            *at += 1;
+        }
+    }
+    (starts, faces)
+}
+
 /// Segments as a curve that can be asked for closest points; `None` without segments.
 fn curve(segments: Vec<[DVec3; 2]>) -> Option<BoundaryCurve> {
     let positions = segments.iter().flatten().map(|p| p.to_array()).collect();
@@ -179,4 +205,33 @@ fn curve(segments: Vec<[DVec3; 2]>) -> Option<BoundaryCurve> {
     let tree = BoundingVolumes::build(&TriangleMesh::new(positions, faces))?;
     let samples = segments.iter().flat_map(|&[p, q]| [p, p + (q - p) * 0.5]).collect();
     Some(BoundaryCurve { tree, segments, samples })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ridge of less than 90°: over it, either slope is as near as the other.
+    #[test]
+    fn where_faces_meet_the_least_cosine_counts() {
+        let positions = vec![[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [0.7, 0.0, -1.0], [-0.7, 0.0, -1.0]];
+        let orders = [[[0, 2, 1], [0, 1, 3]], [[0, 1, 3], [0, 2, 1]]];
+        for faces in orders {
+            let mesh = TriangleMesh::new(positions.clone(), faces.to_vec());
+            let target = Target::new(&mesh).expect("faces");
+            for slope in &target.normals {
+                let [u, v] = [DVec3::Y * 0.02, slope.cross(DVec3::Y) * 0.02];
+                let middle = DVec3::Z * 0.01;
+                let over = [middle - u - v, middle + u - v, middle + v * 2.0];
+                assert!((over[1] - over[0]).cross(over[2] - over[0]).normalize().dot(*slope) < -0.99);
+                let over = [over[1], over[0], over[2]];
+                let (cosine, distance) = target.beside(over, &mut target.tree.cursor());
+                assert!((-0.5..-0.1).contains(&cosine) && (distance - 0.01).abs() < 1e-9, "{cosine}");
+                assert!(target.is_turned(over, &mut target.tree.cursor()));
+                let down = *slope * 0.01 - v * 12.0;
+                let beside = over.map(|corner| corner - middle + down);
+                assert!(target.beside(beside, &mut target.tree.cursor()).0.abs() > 0.99);
+            }
+        }
+    }
 }

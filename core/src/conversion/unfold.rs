@@ -12,21 +12,23 @@ use super::mend::twice_area_over_longest;
 use super::patch::{POINTS, blend};
 use super::pulls::Pulls;
 use super::simplify::Cancelled;
-use super::target::Target;
+use super::target::{TURNED, Target};
 use crate::mesh::{ClosestPointCursor, closest_on_triangle};
 use glam::DVec3;
 
 /// Rounds over the turned faces.
 const ROUNDS: usize = 12;
-/// Faces looked at are so many at most: hundreds of folds may be the input's own.
-const MOST_FACES: usize = 1_500;
 /// The surroundings of so many faces that stay turned are shaken at most; they descend so many times from there.
 const MOST_SHAKEN: usize = 16;
-const SHAKES: [Shake; 4] = [
-    Shake { rings: 2, drag: false, smoothings: 2 },
-    Shake { rings: 2, drag: false, smoothings: 10 },
-    Shake { rings: 4, drag: true, smoothings: 1 },
-    Shake { rings: 4, drag: true, smoothings: 6 },
+const SHAKES: [Shake; 8] = [
+    Shake { rings: 2, drag: false, jolt: 0.0, smoothings: 2 },
+    Shake { rings: 2, drag: false, jolt: 0.0, smoothings: 10 },
+    Shake { rings: 4, drag: true, jolt: 0.0, smoothings: 1 },
+    Shake { rings: 4, drag: true, jolt: 0.0, smoothings: 6 },
+    Shake { rings: 1, drag: false, jolt: 0.5, smoothings: 0 },
+    Shake { rings: 1, drag: false, jolt: 1.0, smoothings: 1 },
+    Shake { rings: 2, drag: false, jolt: 0.5, smoothings: 0 },
+    Shake { rings: 2, drag: false, jolt: 1.0, smoothings: 2 },
 ];
 const DESCENTS: usize = 4;
 /// Triangles and boxes looked at are so many at most, two seconds' worth: where the input's triangles lie through one
@@ -72,6 +74,8 @@ struct Shake {
     /// Whether they first follow the corner that is furthest from its neighbours, the nearer the more: one that keeps its
     /// place may lie outside all of them, and smoothing alone does not bring them round it.
     drag: bool,
+    /// Whether each is then put somewhere else at random, so many edges away at most.
+    jolt: f64,
     smoothings: usize,
 }
 
@@ -127,7 +131,7 @@ impl Unfolding<'_> {
         go_on: &dyn Fn() -> bool,
     ) -> Result<(), Cancelled> {
         let mut near = self.near();
-        let mut left: Vec<u32> = turned[..turned.len().min(MOST_FACES)].to_vec();
+        let mut left: Vec<u32> = turned.to_vec();
         for _ in 0..ROUNDS {
             let mut next = Vec::new();
             for &f in &left {
@@ -172,7 +176,7 @@ impl Unfolding<'_> {
     ) -> Result<(), Cancelled> {
         // No further than the fit is somewhere: so the greatest distance stays.
         let reach = self.reach().max(self.pulls.max.min(REACHES[1]));
-        for Shake { rings, drag, smoothings } in SHAKES {
+        for (k, Shake { rings, drag, jolt, smoothings }) in SHAKES.into_iter().enumerate() {
             if near.is_spent() {
                 break;
             }
@@ -183,6 +187,9 @@ impl Unfolding<'_> {
             let least = self.badness(&faces, positions, near);
             if drag {
                 self.drag(face, rings, positions, near);
+            }
+            if jolt > 0.0 {
+                self.jolt(&around, jolt, u64::from(face) << 8 | k as u64, positions, near);
             }
             for _ in 0..smoothings {
                 self.smooth(&around, positions, near);
@@ -249,6 +256,27 @@ impl Unfolding<'_> {
             }
             from = to;
         }
+    }
+
+    /// Every vertex somewhere else, so many edges away at most; the same for the same seed.
+    fn jolt(&self, around: &[u32], edges: f64, seed: u64, positions: &mut [DVec3], near: &mut Near) {
+        let mut state = seed;
+        let mut random = || {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut bits = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((bits ^ (bits >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        for &v in around {
+            let v = v as usize;
+            let way = DVec3::new(random(), random(), random()) * (edges * self.mean_edge(v, positions));
+            self.settle(v, positions[v] + way, positions, near);
+        }
+    }
+
+    fn mean_edge(&self, v: usize, positions: &[DVec3]) -> f64 {
+        let near = self.fitted.pattern.neighbours(v);
+        near.iter().map(|&w| positions[w as usize].distance(positions[v])).sum::<f64>() / near.len() as f64
     }
 
     /// Every vertex halfway to the middle of its neighbours.
@@ -320,10 +348,8 @@ impl Unfolding<'_> {
     /// Places to try for a vertex.
     fn around(&self, v: usize, positions: &[DVec3]) -> Vec<DVec3> {
         let at = positions[v];
-        let near = self.fitted.pattern.neighbours(v);
         let mean = self.middle(v, positions);
-        let length =
-            near.iter().map(|&w| positions[w as usize].distance(at)).sum::<f64>() / near.len() as f64;
+        let length = self.mean_edge(v, positions);
         let mut places: Vec<DVec3> = [0.25, 0.5, 1.0].iter().map(|t| at.lerp(mean, *t)).collect();
         places.extend([0.5, 1.0].iter().map(|t| at.lerp(self.places[v], *t)));
         for way in WAYS {
@@ -337,7 +363,7 @@ impl Unfolding<'_> {
     }
 
     fn is_turned(&self, face: u32, positions: &[DVec3], near: &mut Near) -> bool {
-        self.target.beside(self.corners(face, positions), &mut near.cursor).0 <= 0.0
+        self.target.is_turned(self.corners(face, positions), &mut near.cursor)
     }
 
     /// How many faces are turned over, and how far the others are from being upright, stout and within reach.
@@ -347,7 +373,7 @@ impl Unfolding<'_> {
             let corners = self.corners(f, positions);
             let (cosine, distance) = self.target.beside(corners, &mut near.cursor);
             let stout = twice_area_over_longest(corners);
-            f64::from(u8::from(cosine <= 0.0))
+            f64::from(u8::from(cosine <= TURNED))
                 + (UPRIGHT - cosine).max(0.0)
                 + (STOUT - stout).max(0.0)
                 + FAR * (distance / reach - 1.0).clamp(0.0, 1.0)

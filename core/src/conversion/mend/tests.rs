@@ -27,8 +27,14 @@ fn mended(height: f64, moved: impl Fn(DVec3) -> DVec3) -> (Vec<DVec3>, Vec<DVec3
         (b - a).cross(c - a).normalize_or_zero()
     };
     let sheets: Vec<DVec3> = coarse.positions.iter().map(|&p| normal(tree.closest(p).face)).collect();
-    let mending =
-        Mending { target: &target, fitted: &fitted, sheets: &sheets, places: &places, unfolding: MOST_LOOKS };
+    let mending = Mending {
+        target: &target,
+        fitted: &fitted,
+        sheets: &sheets,
+        places: &places,
+        unfolding: MOST_LOOKS,
+        briefly: false,
+    };
     let start: Vec<DVec3> = places.iter().map(|&p| moved(p)).collect();
     let go_on = || true;
     let Ok(pulls) = Watch::new(&target, &fitted).look(&start, Look::Close, &go_on) else {
@@ -81,8 +87,14 @@ fn what_there_is_no_time_for_stays_bad_and_where_it_is() {
     let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
     let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
     let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
-    let mending =
-        Mending { target: &target, fitted: &fitted, sheets: &places, places: &places, unfolding: MOST_LOOKS };
+    let mending = Mending {
+        target: &target,
+        fitted: &fitted,
+        sheets: &places,
+        places: &places,
+        unfolding: MOST_LOOKS,
+        briefly: false,
+    };
     let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
         panic!("nobody asked to stop")
     };
@@ -102,8 +114,14 @@ fn the_smallest_places_are_mended_first() {
     let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
     let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
     let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
-    let mending =
-        Mending { target: &target, fitted: &fitted, sheets: &places, places: &places, unfolding: MOST_LOOKS };
+    let mending = Mending {
+        target: &target,
+        fitted: &fitted,
+        sheets: &places,
+        places: &places,
+        unfolding: MOST_LOOKS,
+        briefly: false,
+    };
     let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
         panic!("nobody asked to stop")
     };
@@ -124,4 +142,39 @@ fn the_smallest_places_are_mended_first() {
     let north = patch.face_part[patch.faces.iter().position(|f| at(DVec3::Z, 1).contains(f)).expect("there")];
     assert!(chosen[north as usize] && !chosen[1 - north as usize] && few < faces / 2, "{chosen:?} {few}");
     assert_eq!(patch.smallest_parts(0), (vec![false; 2], 0));
+}
+
+/// Whether to go on is asked in proportion to the work, whatever the size of a part.
+#[test]
+fn a_large_part_is_looked_at_with_many_questions() {
+    let (input, coarse) = (ellipsoid(5, 1.0), ellipsoid(5, 1.0));
+    let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
+    let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
+    let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
+    let mending = Mending {
+        target: &target,
+        fitted: &fitted,
+        sheets: &places,
+        places: &places,
+        unfolding: MOST_LOOKS,
+        briefly: false,
+    };
+    let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
+        panic!("nobody asked to stop")
+    };
+    let bad: Vec<u32> = (0..coarse.faces.len() as u32).collect();
+    let patch = Patch::around(&mending, &pulls, &bad, 1);
+    let asked = std::cell::Cell::new(0);
+    let go_on = || {
+        asked.set(asked.get() + 1);
+        true
+    };
+    assert!(patch.look(&target, &mut None, &places, &[true], &go_on).is_ok());
+    let queries = patch.samples.len() + patch.own * POINTS.len();
+    assert!(asked.get() > queries / 25_000, "{} questions, {queries} queries", asked.get());
+    for last in 0..asked.get() {
+        let left = std::cell::Cell::new(last);
+        let go_on = || left.replace(left.get().saturating_sub(1)) > 0;
+        assert!(patch.look(&target, &mut None, &places, &[true], &go_on).is_err(), "question {last}");
+    }
 }
