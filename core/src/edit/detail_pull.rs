@@ -9,7 +9,7 @@ use super::plan::EditError;
 use super::pull::{Pull, Pulled, Spread};
 use super::spread::{Weights, refined};
 use super::vocabulary::{Kind, Move};
-use super::{Deltas, Region, added};
+use super::{Deltas, Region, Turned, added};
 use crate::hierarchy::{Layout, Level, Odd, Site, Slot};
 use crate::surface::Surface;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -17,6 +17,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// Wavelet coefficients of several levels, coarse to fine, with their share of each component of the delta; sorted by odd
 /// vertex.
 pub(super) type Details = Vec<(Level, Vec<(Odd, Weights)>)>;
+
+/// A function on the vertices of a level, sorted by slot.
+type Values = Vec<(Slot, Weights)>;
 
 /// Levels above the wavelet's own over which it is refined smoothly: what is finer is flat to the eye.
 const SMOOTH_LEVELS: u8 = 4;
@@ -77,7 +80,7 @@ impl Pulled {
     }
 
     /// What is missing from the detail that one delta adds to that which another adds.
-    pub(crate) fn details_between(&self, deltas: [[i32; 3]; 2]) -> Vec<(Level, Vec<(Odd, [i32; 3])>)> {
+    pub(crate) fn details_between(&self, deltas: [[i32; 3]; 2]) -> Turned {
         let of_level = |(level, region): &(Level, Vec<(Odd, Weights)>)| (*level, added(region, deltas));
         self.details.iter().map(of_level).collect()
     }
@@ -92,12 +95,11 @@ fn smooth(surface: &Surface, level: Level, odds: Vec<(Odd, Weights)>) -> Details
     let rings = surface.form().wavelet.disc_radius().unwrap_or(0);
     let mut near: Vec<Slot> = coarse.disc(&parents, rings).into_iter().map(|s| coarse.slot(s)).collect();
     near.sort_unstable();
-    let hats: Vec<(Slot, Weights)> =
-        odds.into_iter().map(|(odd, w)| (fine.slot(coarse.odd_site(odd)), w)).collect();
+    let hats: Values = odds.into_iter().map(|(odd, w)| (fine.slot(coarse.odd_site(odd)), w)).collect();
 
     let up_to = above(SHARING_LEVELS);
     let own = refined(hierarchy, level.finer(), hats.clone(), up_to);
-    let mut shares: Vec<(Slot, Weights)> = near.iter().map(|&slot| (slot, [0.0; 3])).collect();
+    let mut shares: Values = near.iter().map(|&slot| (slot, [0.0; 3])).collect();
     for _ in 0..CORRECTIONS {
         let others = refined(hierarchy, level, shares.clone(), up_to);
         let (_, left) = analysed(surface, difference(&own, &others), up_to, level);
@@ -115,9 +117,9 @@ fn smooth(surface: &Surface, level: Level, odds: Vec<(Odd, Weights)>) -> Details
 }
 
 /// The difference of two functions on the vertices of a level, both sorted by slot.
-fn difference(a: &[(Slot, Weights)], b: &[(Slot, Weights)]) -> Vec<(Slot, Weights)> {
+fn difference(a: &[(Slot, Weights)], b: &[(Slot, Weights)]) -> Values {
     let negated = b.iter().map(|&(slot, w)| (slot, w.map(|x| -x)));
-    let mut all: Vec<(Slot, Weights)> = a.iter().copied().chain(negated).collect();
+    let mut all: Values = a.iter().copied().chain(negated).collect();
     // Stable: where both have a vertex, `a` comes first.
     all.sort_by_key(|&(slot, _)| slot);
     let sum = |of_slot: &[(Slot, Weights)]| {
@@ -134,7 +136,7 @@ fn analysed(
     mut values: Vec<(Slot, Weights)>,
     from: Level,
     to: Level,
-) -> (Details, Vec<(Slot, Weights)>) {
+) -> (Details, Values) {
     let mut details = Details::new();
     for level in (to.0..from.0).rev().map(Level) {
         let (of_level, coarser) = one_coarser(surface, &values, level);
@@ -145,11 +147,7 @@ fn analysed(
     (details, values)
 }
 
-fn one_coarser(
-    surface: &Surface,
-    values: &[(Slot, Weights)],
-    level: Level,
-) -> (Vec<(Odd, Weights)>, Vec<(Slot, Weights)>) {
+fn one_coarser(surface: &Surface, values: &[(Slot, Weights)], level: Level) -> (Vec<(Odd, Weights)>, Values) {
     let (coarse, fine) = (surface.hierarchy().layout(level), surface.hierarchy().layout(level.finer()));
     let by_slot: FxHashMap<Slot, Weights> = values.iter().copied().collect();
     let value = |site: Site| by_slot.get(&fine.slot(site)).copied().unwrap_or_default();

@@ -34,7 +34,7 @@ pub struct Follow {
     levels: Vec<Before>,
 }
 
-/// What was turned: additions to wavelet coefficients, coarse to fine.
+/// Additions to wavelet coefficients, coarse to fine: what was turned, among others.
 pub type Turned = Vec<(Level, Vec<(Odd, Vector)>)>;
 
 impl Follow {

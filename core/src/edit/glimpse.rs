@@ -1,14 +1,14 @@
 //! What a coarse level shows at once of a step that is large: undone or redone there first, and everywhere after.
 
 use super::apply::{Direction, Settling, Sizes, add_up_to};
-use super::{Deltas, Step, extent};
+use super::{Deltas, Step};
 use crate::hierarchy::Level;
 use crate::surface::{Changes, Surface};
 
-/// Vertices that may move: some 5 ms on one core.
-const MOST_MOVED: u64 = 1 << 18;
+/// Vertices that a level may have to be shown in place of another: followed and sampled, some 5 ms on one core.
+const MOST_SHOWN: usize = 1 << 17;
 /// Coefficients that may be read and changed: as long.
-const MOST_CHANGED: u64 = 1 << 16;
+const MOST_CHANGED: usize = 1 << 14;
 /// Scaling coefficients that may move where what is coarser has to be analysed, vertex by vertex: as long.
 const MOST_ANALYSED: usize = 1 << 14;
 
@@ -38,14 +38,9 @@ impl Step {
             return None;
         }
         let quick = |&seen: &Level| {
-            let hats = scaling.iter().filter(|(level, _)| *level <= seen);
-            let details = wavelets.iter().filter(|(level, _)| *level < seen);
-            let changed = details.clone().fold(0, |sum, &(_, count)| sum + count as u64);
-            let moved = hats
-                .map(|&(level, count)| extent::of_hats(surface, level, count as u64, seen))
-                .chain(details.map(|&(level, count)| extent::of_wavelets(surface, level, count as u64, seen)))
-                .fold(0, u64::saturating_add);
-            changed <= MOST_CHANGED && moved.min(surface.scaling(seen).len() as u64) <= MOST_MOVED
+            let coarser = wavelets.iter().filter(|(level, _)| *level < seen);
+            let changed = coarser.fold(0, |sum, &(_, count)| sum + count);
+            changed <= MOST_CHANGED && surface.scaling(seen).len() <= MOST_SHOWN
         };
         (home.0..surface.finest().0).rev().map(Level).find(quick)
     }
