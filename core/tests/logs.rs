@@ -60,7 +60,7 @@ fn lines_that_cannot_be_replayed_are_named() {
     for (entry, hash, wanted) in [
         (Entry::Edit(newer), None, "version 2 of this operation is not known"),
         (Entry::Undo(5), None, "undoes 5 steps, but there are only 4"),
-        (Entry::Redo(1), None, "redoes 1 steps, but there are only 0"),
+        (Entry::Redo(1), None, "redoes a step, but there are only 0"),
         (Entry::Undo(1), Some(SurfaceHash([7; 16])), "not 07070707070707070707070707070707 as recorded"),
     ] {
         let line = Line::to_text(&entry, hash) + "\n";

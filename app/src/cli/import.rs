@@ -17,8 +17,8 @@ use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// The smallest distance that can be asked for; coordinates of 24 bits are not rounded to less.
-const SMALLEST_TOLERANCE: f64 = 1e-7;
+/// The smallest distance that can be asked for, far below a step of 25 bits.
+const SMALLEST_TOLERANCE: f64 = 1e-12;
 
 /// Turn a mesh into a wavelet file.
 #[derive(Debug, clap::Args)]

@@ -56,24 +56,39 @@ pub(super) fn run(args: &Args) -> Result<()> {
     pool.build().context("the threads cannot be started; choose fewer with --threads")?.install(|| play(args))
 }
 
-/// Refuses an output whose log would take the place of something else: of the script, of the history of the file that is
-/// started from, or of a log without its file.
+/// Refuses an output whose log would take the place of something else: of the history of the file that is started from, or of a
+/// log without its file. The script itself is kept, see [`keep_script`].
 fn check_pair(args: &Args) -> Result<()> {
     output::check_wavelet_file(&args.output)?;
     let log = log_path(&args.output);
-    if same_file(&log, &args.script) && !(args.onto_log && same_file(&args.output, &args.file)) {
-        bail!("{}: the script would be replaced by the output's log; choose another name", log.display());
-    }
-    if log.exists() && !args.onto_log && same_file(&args.output, &args.file) {
+    let is_script = same_file(&log, &args.script);
+    if log.exists() && !is_script && !args.onto_log && same_file(&args.output, &args.file) {
         bail!(
             "{}: the file's own log would be replaced; choose another output, or --onto-log to go on from it",
             log.display()
         );
     }
-    if log.exists() && !args.output.exists() {
+    if log.exists() && !is_script && !args.output.exists() {
         bail!("{}: a log without its wavelet file lies here; choose another name", log.display());
     }
     Ok(())
+}
+
+/// Keeps a script whose name the output's log takes, under the first name that is free, and says which.
+///
+/// # Errors
+/// The copy cannot be written.
+fn keep_script(args: &Args) -> Result<Option<PathBuf>> {
+    if !same_file(&log_path(&args.output), &args.script) {
+        return Ok(None);
+    }
+    let name = |number: u32| {
+        let ending = if number == 1 { "script".to_owned() } else { format!("script{number}") };
+        args.script.with_added_extension(ending)
+    };
+    let copy = (1..).map(name).find(|copy| !copy.exists()).expect("some name is free");
+    output::replace(&copy, &Disk.read(&args.script)?)?;
+    Ok(Some(copy))
 }
 
 /// Whether two paths lead to one file.
@@ -103,19 +118,23 @@ fn play(args: &Args) -> Result<()> {
     let edits = session
         .play(&effective(&script.lines, false), &report)
         .map_err(|e| anyhow::anyhow!("{}, {e}; correct or remove that line", args.script.display()))?;
+    let mut kept = None;
     if args.bake {
         session.save_copy(&args.output)?;
     } else {
+        kept = keep_script(args)?;
         session.save_as(&args.output)?;
     }
     let hash = session.hash();
     session.close().map_err(anyhow::Error::msg)?;
     drop(progress);
     if args.json {
-        output::print_json(&json!({ "hash": hash.to_string(), "edits": edits }))
-    } else {
-        output::print(&format!("{edits} edits, hash {hash}\n"))
+        return output::print_json(&json!({ "hash": hash.to_string(), "edits": edits, "script": kept }));
     }
+    let kept = kept.map_or(String::new(), |copy| {
+        format!("{} is the output's log now; the script is in {}\n", args.script.display(), copy.display())
+    });
+    output::print(&format!("{edits} edits, hash {hash}\n{kept}"))
 }
 
 /// Reads a script; a bad line is an error that names it.

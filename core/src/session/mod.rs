@@ -401,7 +401,9 @@ impl Session {
             let length = write_log(vfs, path, self.original, log)?;
             write(bytes).inspect_err(|_| {
                 // A log without its file would be taken for that of the next file of this name.
-                let _ = vfs.remove(&log_path(path));
+                if !vfs.exists(path) {
+                    let _ = vfs.remove(&log_path(path));
+                }
             })?;
             return Journal::open(vfs, path, length, lock);
         }

@@ -247,6 +247,9 @@ impl State<'_> {
         let (coarse, fine) =
             (self.hierarchy.layout(Level(j as u8)), self.hierarchy.layout(Level(j as u8 + 1)));
         let predicted = if self.transform.bends() { Vec::new() } else { self.predicted(j) };
+        if after == After::Nothing {
+            self.synthesised = None;
+        }
         let done = self.on_level(j, |_, models, details, below| {
             match after {
                 After::Nothing => details.frames = Vec::new(),

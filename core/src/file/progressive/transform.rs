@@ -120,7 +120,7 @@ impl Transform<'_> {
             return rows::analyse_level(self.hierarchy, self.filters, level, finer);
         }
         let mut straight = finer.to_vec();
-        self.add_bends(level, &mut straight, minus);
+        self.add_bends(level, (&self.evens(level, finer), &mut straight), minus);
         rows::analyse_level(self.hierarchy, self.filters, level, &straight)
     }
 
@@ -128,7 +128,8 @@ impl Transform<'_> {
     pub(super) fn subdivide(self, level: Level, coarser: &[Vector]) -> Vec<Vector> {
         let mut finer = rows::subdivide(self.hierarchy, level, coarser);
         if self.bends() {
-            self.add_bends(level, &mut finer, plus);
+            // The even vertices are those of the coarser level.
+            self.add_bends(level, (coarser, &mut finer), plus);
         }
         finer
     }
@@ -144,7 +145,8 @@ impl Transform<'_> {
         // Before there are bends, which are as large.
         drop(details);
         if self.bends() {
-            self.add_bends(level, &mut finer, plus);
+            let evens = self.evens(level, &finer);
+            self.add_bends(level, (&evens, &mut finer), plus);
         }
         finer
     }
@@ -161,10 +163,19 @@ impl Transform<'_> {
         (positions.into_owned(), details)
     }
 
-    /// Adds the bends, or takes them off, of the odd vertices of `M^{j+1}`, from the even ones, which stay.
-    fn add_bends(self, level: Level, finer: &mut [Vector], add: impl Fn(Vector, Vector) -> Vector + Sync) {
-        let (coarse, fine) = (self.hierarchy.layout(level), self.hierarchy.layout(level.finer()));
-        let evens = evens(coarse, fine, finer);
+    /// The even vertices of `M^{j+1}`, by slot of `M^j`.
+    fn evens(self, level: Level, finer: &[Vector]) -> Vec<Vector> {
+        evens(self.hierarchy.layout(level), self.hierarchy.layout(level.finer()), finer)
+    }
+
+    /// Adds the bends, or takes them off, of the odd vertices of `M^{j+1}`, from the even ones, which are given by slot of `M^j`.
+    fn add_bends(
+        self,
+        level: Level,
+        (evens, finer): (&[Vector], &mut [Vector]),
+        add: impl Fn(Vector, Vector) -> Vector + Sync,
+    ) {
+        let coarse = self.hierarchy.layout(level);
         let (edges, faces) = (coarse.base().edges().len(), coarse.base().faces().len());
         let n = coarse.segments() as usize;
         let (_, rest) = finer.split_at_mut(coarse.base().vertex_count() as usize);
@@ -177,7 +188,7 @@ impl Transform<'_> {
             let odds = row.iter_mut().step_by(2 - r % 2);
             odds.zip(bends).for_each(|(odd, &bend)| *odd = add(*odd, bend));
         };
-        let on_edges = by_rows(self.hierarchy, level, (&evens, Curves::Kept), faces, in_row);
+        let on_edges = by_rows(self.hierarchy, level, (evens, Curves::Kept), faces, in_row);
         for (edge, bends) in fine_edges.chunks_mut(2 * n - 1).zip(on_edges.chunks(n)) {
             edge.iter_mut().step_by(2).zip(bends).for_each(|(odd, &bend)| *odd = add(*odd, bend));
         }

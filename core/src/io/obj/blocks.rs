@@ -47,7 +47,8 @@ fn whole_lines(text: &[u8], from: usize) -> usize {
     };
     let mut end = text.len();
     while let Some(at) = (from..end).rev().find(|&at| ends(at)) {
-        let before = text[..at].strip_suffix(b"\r").unwrap_or(&text[..at]);
+        let line = &text[..at];
+        let before = if text[at] == b'\n' { line.strip_suffix(b"\r").unwrap_or(line) } else { line };
         let start = before.iter().rposition(|&byte| matches!(byte, b'\n' | b'\r')).map_or(0, |at| at + 1);
         if !before[start..].trim_ascii_end().ends_with(b"\\") {
             return at + 1;
