@@ -93,8 +93,9 @@ fn logs_that_would_be_lost() {
         assert_eq!(work.text(copy), script);
     }
     work.write("script.edits", &before["script.edits"]);
-    ["script.boz", "script.edits.script", "script.edits.script2"]
-        .map(|name| std::fs::remove_file(work.path(name)).expect("it is there"));
+    for name in ["script.boz", "script.edits.script", "script.edits.script2"] {
+        std::fs::remove_file(work.path(name)).expect("it is there");
+    }
     // A pair may be made anew, and a file may go on from its own log.
     work.succeeds(&["replay", "ball.boz", "script.edits", "-o", "work.boz"]);
     assert!(work.contents() == before);
