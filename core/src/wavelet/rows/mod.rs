@@ -7,7 +7,7 @@
 //! vertices, boundaries and sharp edges, where nothing can be unfolded, are updated one by one.
 //!
 //! It guarantees the reference's results for any input: where details are so large that the kernels' 32-bit class sums
-//! could overflow, the level is given to the reference. Levels too coarse for the constant stencil have [`coarse`].
+//! could overflow, the level is given to the reference. Levels too coarse for the constant stencil have `coarse`.
 
 mod analysis;
 mod border;
