@@ -130,7 +130,7 @@ fn difference(a: &[(Slot, Weights)], b: &[(Slot, Weights)]) -> Values {
 }
 
 /// The analysis of a function given on the vertices of a level `from` down to a level `to`: the details of every level
-/// between, and `c^to`. Linear, in floats, each sum in the order of the filter's taps.
+/// between, and `c^to`. Linear, in floats.
 fn analysed(
     surface: &Surface,
     mut values: Vec<(Slot, Weights)>,
@@ -193,16 +193,20 @@ fn one_coarser(surface: &Surface, values: &[(Slot, Weights)], level: Level) -> (
     (details, coarser)
 }
 
-/// What details of a level add to an even vertex.
+/// What details of a level add to an even vertex: a sum in ascending order of the odd vertices, whatever the order in which the
+/// filters have them.
 fn update(surface: &Surface, level: Level, even: Site, details: &FxHashMap<Odd, Weights>) -> Weights {
-    let mut sum = [0.0; 3];
+    let mut taps: Vec<(Odd, i32)> = Vec::new();
     surface.filters().for_each_tap(surface.hierarchy().layout(level), even, |odd, weight| {
-        if let Some(detail) = details.get(&odd) {
-            let weight = f64::from(weight) / f64::from(1 << 20);
-            sum = std::array::from_fn(|c| sum[c] + weight * detail[c]);
+        if details.contains_key(&odd) {
+            taps.push((odd, weight));
         }
     });
-    sum
+    taps.sort_unstable_by_key(|&(odd, _)| odd);
+    taps.into_iter().fold([0.0; 3], |sum, (odd, weight)| {
+        let (weight, detail) = (f64::from(weight) / f64::from(1 << 20), details[&odd]);
+        std::array::from_fn(|c| sum[c] + weight * detail[c])
+    })
 }
 
 /// How far the odd vertex of the coarsest of some details moves with them for a delta of 1 along the first axis.
