@@ -1,10 +1,11 @@
 use super::*;
 use crate::conversion::fit::turned_faces;
-use crate::conversion::pulls::Look;
+use crate::conversion::pulls::{Look, Pulls};
 use crate::conversion::unfold::MOST_LOOKS;
 use crate::conversion::watch::Watch;
 use crate::mesh::shapes::{octahedron, subdivide};
 use crate::mesh::{BoundingVolumes, TriangleMesh};
+use std::sync::Arc;
 
 /// An ellipsoid around 0 with radii 1, 1 and `height`.
 fn ellipsoid(times: u32, height: f64) -> TriangleMesh {
@@ -15,31 +16,47 @@ fn ellipsoid(times: u32, height: f64) -> TriangleMesh {
     mesh
 }
 
+/// A coarse mesh that is drawn to an input.
+struct Drawn<'a> {
+    coarse: TriangleMesh,
+    target: Target<'a>,
+    fitted: Fitted,
+    places: Vec<DVec3>,
+}
+
+impl<'a> Drawn<'a> {
+    fn to(input: &'a TriangleMesh, coarse: TriangleMesh) -> Self {
+        let target = Target::new(input).expect("faces").sampled(coarse.faces.len());
+        let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
+        let places = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
+        Self { coarse, target, fitted, places }
+    }
+
+    fn mending<'m>(&'m self, sheets: &'m [DVec3]) -> Mending<'m> {
+        let Self { target, fitted, places, .. } = self;
+        Mending { target, fitted, sheets, places, unfolding: MOST_LOOKS, briefly: false }
+    }
+
+    fn pulls(&self, positions: &[DVec3]) -> Arc<Pulls> {
+        let pulls = Watch::new(&self.target, &self.fitted).look(positions, Look::Close, &|| true);
+        pulls.unwrap_or_else(|_| panic!("nobody asked to stop"))
+    }
+}
+
 /// Mends a coarse ellipsoid some of whose vertices were moved; returns the places and the result.
 fn mended(height: f64, moved: impl Fn(DVec3) -> DVec3) -> (Vec<DVec3>, Vec<DVec3>, usize) {
-    let (input, coarse) = (ellipsoid(5, height), ellipsoid(4, height));
-    let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
-    let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
-    let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
+    let input = ellipsoid(5, height);
+    let drawn = Drawn::to(&input, ellipsoid(4, height));
+    let Drawn { coarse, fitted, places, .. } = &drawn;
     let tree = BoundingVolumes::build(&input).expect("faces");
     let normal = |f| {
         let [a, b, c] = input.corners(f).map(DVec3::from);
         (b - a).cross(c - a).normalize_or_zero()
     };
     let sheets: Vec<DVec3> = coarse.positions.iter().map(|&p| normal(tree.closest(p).face)).collect();
-    let mending = Mending {
-        target: &target,
-        fitted: &fitted,
-        sheets: &sheets,
-        places: &places,
-        unfolding: MOST_LOOKS,
-        briefly: false,
-    };
+    let mending = drawn.mending(&sheets);
     let start: Vec<DVec3> = places.iter().map(|&p| moved(p)).collect();
-    let go_on = || true;
-    let Ok(pulls) = Watch::new(&target, &fitted).look(&start, Look::Close, &go_on) else {
-        panic!("nobody asked to stop")
-    };
+    let pulls = drawn.pulls(&start);
     let Ok((result, stay)) = mending.run(Iterate { positions: start, pulls }, &|_| true) else {
         panic!("nobody asked to stop")
     };
@@ -51,9 +68,9 @@ fn mended(height: f64, moved: impl Fn(DVec3) -> DVec3) -> (Vec<DVec3>, Vec<DVec3
             (b - a).cross(c - a)
         })
         .collect();
-    let turned = turned_faces(&fitted, &result, &outward).iter().filter(|turned| **turned).count();
+    let turned = turned_faces(fitted, &result, &outward).iter().filter(|turned| **turned).count();
     assert_eq!(stay, turned, "those that stay turned over are counted");
-    (places, result, turned)
+    (drawn.places, result, turned)
 }
 
 #[test]
@@ -83,48 +100,25 @@ fn sheets_of_a_thin_plate_stay_apart() {
 
 #[test]
 fn what_there_is_no_time_for_stays_bad_and_where_it_is() {
-    let (input, coarse) = (ellipsoid(5, 1.0), ellipsoid(4, 1.0));
-    let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
-    let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
-    let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
-    let mending = Mending {
-        target: &target,
-        fitted: &fitted,
-        sheets: &places,
-        places: &places,
-        unfolding: MOST_LOOKS,
-        briefly: false,
-    };
-    let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
-        panic!("nobody asked to stop")
-    };
+    let input = ellipsoid(5, 1.0);
+    let drawn = Drawn::to(&input, ellipsoid(4, 1.0));
+    let places = &drawn.places;
+    let (mending, pulls) = (drawn.mending(places), drawn.pulls(places));
     let (bad, mut positions) = ([3, 40, 800], places.clone());
     let Ok((left, used)) = mending.pass(&PASSES[0], &mut positions, &pulls, &bad, 0, &|_| true) else {
         panic!("nobody asked to stop")
     };
     assert_eq!((left, used), (bad.to_vec(), 0));
-    assert!(positions == places);
+    assert!(positions == *places);
 }
 
 /// The smallest parts are chosen while the faces they have together are allowed.
 #[test]
 fn the_smallest_places_are_mended_first() {
-    let coarse = ellipsoid(4, 1.0);
     let input = ellipsoid(5, 1.0);
-    let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
-    let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
-    let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
-    let mending = Mending {
-        target: &target,
-        fitted: &fitted,
-        sheets: &places,
-        places: &places,
-        unfolding: MOST_LOOKS,
-        briefly: false,
-    };
-    let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
-        panic!("nobody asked to stop")
-    };
+    let drawn = Drawn::to(&input, ellipsoid(4, 1.0));
+    let Drawn { coarse, places, .. } = &drawn;
+    let (mending, pulls) = (drawn.mending(places), drawn.pulls(places));
     let at = |direction: DVec3, times: usize| {
         let mut near: Vec<u32> = (0..coarse.faces.len() as u32).collect();
         let middle = |f: u32| coarse.faces[f as usize].iter().map(|&v| places[v as usize]).sum::<DVec3>();
@@ -147,21 +141,10 @@ fn the_smallest_places_are_mended_first() {
 /// Whether to go on is asked in proportion to the work, whatever the size of a part.
 #[test]
 fn a_large_part_is_looked_at_with_many_questions() {
-    let (input, coarse) = (ellipsoid(5, 1.0), ellipsoid(5, 1.0));
-    let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
-    let fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
-    let places: Vec<DVec3> = coarse.positions.iter().map(|&p| DVec3::from(p)).collect();
-    let mending = Mending {
-        target: &target,
-        fitted: &fitted,
-        sheets: &places,
-        places: &places,
-        unfolding: MOST_LOOKS,
-        briefly: false,
-    };
-    let Ok(pulls) = Watch::new(&target, &fitted).look(&places, Look::Close, &|| true) else {
-        panic!("nobody asked to stop")
-    };
+    let input = ellipsoid(5, 1.0);
+    let drawn = Drawn::to(&input, ellipsoid(5, 1.0));
+    let Drawn { coarse, target, places, .. } = &drawn;
+    let (mending, pulls) = (drawn.mending(places), drawn.pulls(places));
     let bad: Vec<u32> = (0..coarse.faces.len() as u32).collect();
     let patch = Patch::around(&mending, &pulls, &bad, 1);
     let asked = std::cell::Cell::new(0);
@@ -169,12 +152,12 @@ fn a_large_part_is_looked_at_with_many_questions() {
         asked.set(asked.get() + 1);
         true
     };
-    assert!(patch.look(&target, &mut None, &places, &[true], &go_on).is_ok());
+    assert!(patch.look(target, &mut None, places, &[true], &go_on).is_ok());
     let queries = patch.samples.len() + patch.own * POINTS.len();
     assert!(asked.get() > queries / 25_000, "{} questions, {queries} queries", asked.get());
     for last in 0..asked.get() {
         let left = std::cell::Cell::new(last);
         let go_on = || left.replace(left.get().saturating_sub(1)) > 0;
-        assert!(patch.look(&target, &mut None, &places, &[true], &go_on).is_err(), "question {last}");
+        assert!(patch.look(target, &mut None, places, &[true], &go_on).is_err(), "question {last}");
     }
 }
