@@ -77,19 +77,7 @@ fn handle(document: &mut Document, name: &str, spread: Spread, follow: bool) {
     let (mut begins, mut steps, mut ends, mut undos) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let (mut preview, mut slow, mut previews, mut wholes) = (None, false, Vec::new(), Vec::new());
     for _ in 0..3 {
-        let pull = Pull {
-            kind: Kind::Scaling,
-            level: 0,
-            vertex: Some(2),
-            at: None,
-            delta: [0.0; 3],
-            radius: None,
-            falloff: None,
-            spread,
-            follow,
-            mirror: None,
-            v: Pull::LATEST_VERSION,
-        };
+        let pull = Pull { spread, follow, ..Pull::of(Kind::Scaling, 0, 2, [0.0; 3]) };
         let begun = Instant::now();
         document.session.begin_pull(pull).expect("it exists");
         document.preview_if_large();

@@ -9,7 +9,7 @@
 //! `cargo run -p bozzetto --example followed`.
 
 use bozzetto_core::disk::Disk;
-use bozzetto_core::edit::{Dab, Kind, Move, Over, Pull, Spread, Stroke, Tool};
+use bozzetto_core::edit::{Dab, Kind, Move, Over, Pull, Stroke, Tool};
 use bozzetto_core::file::{Metadata, Model};
 use bozzetto_core::hierarchy::Level;
 use bozzetto_core::session::Session;
@@ -162,19 +162,7 @@ fn handles(session: &mut Session) {
         mirror: None,
         v: 1,
     };
-    let pull = Pull {
-        kind: Kind::Scaling,
-        level: 0,
-        vertex: Some(2),
-        at: None,
-        delta: [0.0; 3],
-        radius: None,
-        falloff: None,
-        spread: Spread::Smooth,
-        follow: false,
-        mirror: None,
-        v: Pull::LATEST_VERSION,
-    };
+    let pull = Pull::of(Kind::Scaling, 0, 2, [0.0; 3]);
     for reach in [Reach::Whole, Reach::Affordable].into_iter().chain((1..5).map(Reach::Coarser)) {
         session.begin_stroke(raw).expect("it exists");
         handle(session, "handle of level 0, raw", reach);

@@ -11,19 +11,7 @@ use bozzetto_core::wavelet::Wavelet;
 use memory_disk::session_of;
 use samples::{assert_consistent, ball, contents, surface};
 
-const PULL: Pull = Pull {
-    kind: Kind::Scaling,
-    level: 0,
-    vertex: Some(2),
-    at: None,
-    delta: [0.3, 0.1, -0.2],
-    radius: None,
-    falloff: None,
-    spread: Spread::Smooth,
-    follow: false,
-    mirror: None,
-    v: Pull::LATEST_VERSION,
-};
+const PULL: Pull = Pull::of(Kind::Scaling, 0, 2, [0.3, 0.1, -0.2]);
 
 fn edits() -> Vec<Edit> {
     let raw = Move {

@@ -21,19 +21,7 @@ fn round(levels: u8) -> Surface {
 }
 
 fn pull(level: u8, vertex: u32, delta: [f64; 3]) -> Pull {
-    Pull {
-        kind: Kind::Scaling,
-        level,
-        vertex: Some(vertex),
-        at: None,
-        delta,
-        radius: None,
-        falloff: None,
-        spread: Spread::Smooth,
-        follow: false,
-        mirror: None,
-        v: Pull::LATEST_VERSION,
-    }
+    Pull::of(Kind::Scaling, level, vertex, delta)
 }
 
 fn random_pull(numbers: &mut Numbers, surface: &Surface) -> Pull {

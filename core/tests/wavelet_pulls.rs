@@ -12,19 +12,7 @@ use memory_disk::session_of;
 use samples::{assert_consistent, ball, contents, surface};
 
 fn pull(level: u8, vertex: u32, delta: [f64; 3]) -> Pull {
-    Pull {
-        kind: Kind::Wavelet,
-        level,
-        vertex: Some(vertex),
-        at: None,
-        delta,
-        radius: None,
-        falloff: None,
-        spread: Spread::Smooth,
-        follow: false,
-        mirror: None,
-        v: Pull::version_for(Kind::Wavelet),
-    }
+    Pull::of(Kind::Wavelet, level, vertex, delta)
 }
 
 /// The first wavelet of a level.

@@ -5,7 +5,7 @@ mod window;
 
 use bozzetto::editor::{Document, Editor, Start};
 use bozzetto_core::disk::Disk;
-use bozzetto_core::edit::{Edit, Kind, Pull, Spread};
+use bozzetto_core::edit::{Edit, Kind, Pull};
 use bozzetto_core::file::{Metadata, Model};
 use bozzetto_core::session::Session;
 use bozzetto_core::surface::Surface;
@@ -20,19 +20,7 @@ fn pulled() -> Session {
     let surface = Surface::ball(8, |[x, y, _]| 1.0 + 0.05 * (9.0 * x).sin() * (9.0 * y).sin());
     let mut session = Session::new(Arc::new(Disk), Model::new(surface, None, Metadata::default()));
     for (follow, delta) in [(false, [0.0, 0.0, 0.6]), (true, [0.0, 0.5, 0.0])] {
-        let pull = Pull {
-            kind: Kind::Scaling,
-            level: 0,
-            vertex: Some(4),
-            at: None,
-            delta,
-            radius: None,
-            falloff: None,
-            spread: Spread::Smooth,
-            follow,
-            mirror: None,
-            v: Pull::LATEST_VERSION,
-        };
+        let pull = Pull { follow, ..Pull::of(Kind::Scaling, 0, 4, delta) };
         session.edit(Edit::Pull(pull)).expect("a sensible pull");
     }
     session

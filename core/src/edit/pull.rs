@@ -67,6 +67,23 @@ impl Pull {
     /// The newest version of what it does; older ones replay as they did.
     pub const LATEST_VERSION: u32 = 3;
 
+    /// The smooth pull of one coefficient, finer detail left as it is.
+    pub const fn of(kind: Kind, level: u8, vertex: u32, delta: [f64; 3]) -> Self {
+        Self {
+            kind,
+            level,
+            vertex: Some(vertex),
+            at: None,
+            delta,
+            radius: None,
+            falloff: None,
+            spread: Spread::Smooth,
+            follow: false,
+            mirror: None,
+            v: Self::LATEST_VERSION,
+        }
+    }
+
     /// The oldest version that does all that the newest does with coefficients of a kind, for lines that older programs read.
     pub fn version_for(kind: Kind) -> u32 {
         match kind {

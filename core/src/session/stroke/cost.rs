@@ -53,7 +53,7 @@ mod tests {
     use super::super::super::Session;
     use super::*;
     use crate::disk::Disk;
-    use crate::edit::{Kind, Move, Pull, Spread};
+    use crate::edit::{Kind, Move, Pull};
     use crate::file::{Metadata, Model};
     use crate::surface::{Changes, Moved};
     use std::sync::Arc;
@@ -102,19 +102,7 @@ mod tests {
     /// A drag on a coarser level stands where it should, and its end leaves the bits of the drag made whole.
     #[test]
     fn a_large_drag_is_made_on_a_coarser_level_and_ends_on_all() {
-        let pull = Pull {
-            kind: Kind::Scaling,
-            level: 0,
-            vertex: Some(2),
-            at: None,
-            delta: [0.0; 3],
-            radius: None,
-            falloff: None,
-            spread: Spread::Smooth,
-            follow: true,
-            mirror: None,
-            v: 1,
-        };
+        let pull = Pull { follow: true, v: 1, ..Pull::of(Kind::Scaling, 0, 2, [0.0; 3]) };
         let mut session = bumpy_ball(7);
         session.begin_pull(pull).expect("it exists");
         let finest = session.surface().finest();
