@@ -5,14 +5,19 @@
 
 use bozzetto::editor::{Editor, FileChooser, Purpose, Start};
 use bozzetto::render::{Gpu, GpuError, Samples};
+use bozzetto_core::conversion::{ConversionOptions, convert};
+use bozzetto_core::disk::Disk;
 use bozzetto_core::edit::Edit;
+use bozzetto_core::file::{Metadata, Model};
+use bozzetto_core::mesh::shapes;
 use bozzetto_core::session::Session;
-use bozzetto_core::surface::SurfaceHash;
+use bozzetto_core::surface::{FormOptions, Surface, SurfaceHash};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use image::RgbaImage;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A machine without the system's file dialog.
 struct NoChooser;
@@ -115,6 +120,18 @@ pub fn stroke(harness: &mut Harness<'_, Editor>, modifiers: Modifiers) {
 pub fn take(harness: &mut Harness<'_, Editor>, name: &str) {
     harness.get_by_label(&format!("{name} tool")).click();
     harness.run();
+}
+
+/// A bumpy ball of 258 vertices, without a file.
+pub fn ball() -> Session {
+    let mut mesh = shapes::subdivide(&shapes::octahedron(), 3);
+    for (at, p) in mesh.positions.iter_mut().enumerate() {
+        let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+        *p = p.map(|x| x / length * (1.0 + 0.002 * (at * 37 % 19) as f64));
+    }
+    let converted = convert(&mesh, &ConversionOptions::default()).expect("subdivided");
+    let surface = Surface::from_positions(converted.hierarchy, &converted.positions, &FormOptions::default());
+    Session::new(Arc::new(Disk), Model::new(surface.expect("small"), None, Metadata::default()))
 }
 
 /// The open session.
