@@ -227,3 +227,18 @@ fn capitalised(kind: Kind) -> &'static str {
         Kind::Wavelet => "Wavelet",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A level to erase to that the surface does not have would refuse every stroke.
+    #[test]
+    fn the_level_to_erase_to_is_one_that_there_is() {
+        let mut settings = Settings { erase_to: Some(6), ..Settings::default() };
+        settings.for_surface(Level(4));
+        assert_eq!(settings.erase_to, Some(3));
+        settings.for_surface(Level::BASE);
+        assert_eq!(settings.erase_to, Some(0));
+    }
+}
