@@ -52,6 +52,7 @@ fn an_import_keeps_a_share() {
     work.succeeds(&["export", "ball.boz", "-o", "exported.boz", "--keep", "0.2"]);
     let imported = work.json(&["import", "ball.obj", "-o", "imported.boz", "--keep", "0.2"]);
     assert_eq!(imported["hash"], work.json(&["info", "exported.boz"])["hash"]);
+    assert_ne!(imported["hash"], work.json(&["info", "ball.boz"])["hash"], "something is left out");
     let rms = work.json(&["compare", "ball.obj", "imported.boz"])["rms"].as_f64().expect("a number");
     assert_eq!(imported["rms"].as_f64(), Some(rms));
     let compact = ["import", "ball.obj", "-o", "no.boz", "--purpose", "compact", "--keep", "0.2"];
