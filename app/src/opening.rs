@@ -11,7 +11,7 @@ use bozzetto_core::conversion::{
     ConversionError, ConversionOptions, Converted, Remesh, convert_owned, convert_with_progress,
 };
 use bozzetto_core::disk::{Disk, Vfs};
-use bozzetto_core::file::{Metadata, Model, source_by_public_id};
+use bozzetto_core::file::{Metadata, Model, SourceIndices};
 use bozzetto_core::hierarchy::Slot;
 use bozzetto_core::io::read_mesh_file;
 use bozzetto_core::mesh::{Comparison, TriangleMesh, distances_to};
@@ -162,7 +162,7 @@ fn converted(
         None => displacement(&surface, &positions, diagonal()),
     };
     drop(positions);
-    let from = from.map(|by_slot| source_by_public_id(surface.hierarchy(), &by_slot));
+    let from = from.map(|by_slot| SourceIndices::of_slots(surface.hierarchy(), &by_slot));
     let model = Model::new(surface, from, metadata);
     if !clock.report(Stage::Build, 1.0) {
         return Err(cancelled());

@@ -1,7 +1,7 @@
 //! Small files: no larger than asked for, complete, and the better the larger; or as near to a mesh as asked for.
 
 use bozzetto_core::conversion::{ConversionOptions, Remesh, convert};
-use bozzetto_core::file::{Metadata, Model, NoSuchFile, Size, decode, encode, encode_smaller};
+use bozzetto_core::file::{Metadata, Model, NoSuchFile, Size, SourceIndices, decode, encode, encode_smaller};
 use bozzetto_core::mesh::{CompareOptions, TriangleMesh, compare, shapes};
 use bozzetto_core::surface::{FormOptions, Surface};
 use std::path::Path;
@@ -22,7 +22,8 @@ fn model(mesh: &TriangleMesh) -> Model {
     let converted = convert(mesh, &ConversionOptions::default()).expect("subdivided");
     let form = FormOptions { precision: 18, ..FormOptions::default() };
     let surface = Surface::from_positions(converted.hierarchy, &converted.positions, &form).expect("small");
-    Model::new(surface, converted.source, Metadata::default())
+    let source = converted.source.map(|source| SourceIndices::new(&source));
+    Model::new(surface, source, Metadata::default())
 }
 
 fn distance(mesh: &TriangleMesh, model: &Model) -> f64 {

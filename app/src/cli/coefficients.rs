@@ -38,7 +38,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
 pub(super) fn table(model: &Model) -> String {
     let surface = &model.surface;
     let placement = &surface.form().placement;
-    let source = |id: u32| model.source.as_ref().map_or(String::new(), |s| s[id as usize].to_string());
+    let sources = model.source.as_ref().map(|source| source.unpacked());
+    let source = |id: u32| sources.as_ref().map_or(String::new(), |s| s[id as usize].to_string());
     let mut csv = String::from("kind,level,vertex,parent_a,parent_b,source,x,y,z\n");
     let mut row = |kind: &str, level: Level, id: u32, parents: [String; 2], [x, y, z]: [f64; 3]| {
         let [a, b] = parents;

@@ -119,14 +119,14 @@ fn play(args: &Args) -> Result<()> {
         .play(&effective(&script.lines, false), &report)
         .map_err(|e| anyhow::anyhow!("{}, {e}; correct or remove that line", args.script.display()))?;
     let mut kept = None;
+    let hash = session.hash();
     if args.bake {
-        session.save_copy(&args.output)?;
+        session.into_copy(&args.output)?;
     } else {
         kept = keep_script(args)?;
         session.save_as(&args.output)?;
+        session.close().map_err(anyhow::Error::msg)?;
     }
-    let hash = session.hash();
-    session.close().map_err(anyhow::Error::msg)?;
     drop(progress);
     if args.json {
         return output::print_json(&json!({ "hash": hash.to_string(), "edits": edits, "script": kept }));

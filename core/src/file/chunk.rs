@@ -5,7 +5,7 @@
 
 use flate2::Compression;
 use flate2::read::{DeflateDecoder, DeflateEncoder};
-use std::io::Read;
+use std::io::{Read, Write};
 
 /// The first bytes of every wavelet file: magic, version, checksum of both.
 pub(super) const MAGIC: [u8; 8] = *b"\x89BOZ\r\n\x1a\n";
@@ -49,13 +49,22 @@ pub(super) enum Stop {
 impl Chunk {
     /// Packs a payload if that makes it smaller.
     pub(super) fn new(kind: Kind, critical: bool, raw: &[u8]) -> Self {
+        Self::packed(kind, critical, raw.len() as u64, || raw)
+    }
+
+    /// The same of a payload of so many bytes that need not be in memory at once; it is read again if packing does not make it
+    /// smaller.
+    pub(super) fn packed<R: Read>(kind: Kind, critical: bool, raw_len: u64, raw: impl Fn() -> R) -> Self {
+        let read = "memory does not fail";
         let mut packed = Vec::new();
-        DeflateEncoder::new(raw, Compression::new(5)).read_to_end(&mut packed).expect("memory does not fail");
-        if packed.len() < raw.len() {
-            Self { kind, critical, raw_len: Some(raw.len() as u64), payload: packed }
-        } else {
-            Self::stored(kind, critical, raw.to_vec())
+        DeflateEncoder::new(raw(), Compression::new(5)).read_to_end(&mut packed).expect(read);
+        if (packed.len() as u64) < raw_len {
+            packed.shrink_to_fit();
+            return Self { kind, critical, raw_len: Some(raw_len), payload: packed };
         }
+        let mut payload = Vec::new();
+        raw().read_to_end(&mut payload).expect(read);
+        Self::stored(kind, critical, payload)
     }
 
     /// A payload as it is.
@@ -110,22 +119,36 @@ impl Chunk {
 
     /// The payload, unpacked; at most `limit` bytes, and exactly as many as the header says.
     pub(super) fn unpack(&self, limit: u64) -> Result<Vec<u8>, &'static str> {
-        let raw_len = self.raw_len.unwrap_or(self.payload.len() as u64);
-        if raw_len > limit {
+        let mut raw = Vec::new();
+        self.unpack_to(limit, &mut raw)?;
+        Ok(raw)
+    }
+
+    /// [`Chunk::unpack`] piece by piece.
+    pub(super) fn unpack_to(&self, limit: u64, to: &mut impl Write) -> Result<(), &'static str> {
+        if self.raw_len() > limit {
             return Err("the chunk is larger than such a chunk can be");
         }
-        if self.raw_len.is_none() {
-            return Ok(self.payload.clone());
-        }
-        let mut raw = Vec::new();
-        DeflateDecoder::new(self.payload.as_slice())
-            .take(raw_len + 1)
-            .read_to_end(&mut raw)
-            .map_err(|_| "the chunk does not unpack")?;
-        if raw.len() as u64 != raw_len {
+        let length = std::io::copy(&mut self.reader(), to).map_err(|_| "the chunk does not unpack")?;
+        if length != self.raw_len() {
             return Err("the chunk unpacks to another length than it says");
         }
-        Ok(raw)
+        Ok(())
+    }
+
+    /// The length of the payload unpacked, as the header says.
+    pub(super) fn raw_len(&self) -> u64 {
+        self.raw_len.unwrap_or(self.payload.len() as u64)
+    }
+
+    /// The payload, unpacked as it is read, and at most a byte more of it than the header says.
+    pub(super) fn reader(&self) -> impl Read + '_ {
+        let payload = self.payload.as_slice();
+        let raw: Box<dyn Read + '_> = match self.raw_len {
+            Some(_) => Box::new(DeflateDecoder::new(payload)),
+            None => Box::new(payload),
+        };
+        raw.take(self.raw_len() + 1)
     }
 
     /// The payload of a chunk that is never packed.

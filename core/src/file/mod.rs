@@ -8,6 +8,7 @@ mod journal;
 mod normal_mesh;
 mod progressive;
 mod smaller;
+mod source_indices;
 mod wavelet_file;
 
 pub use chunk::Chunk;
@@ -15,4 +16,5 @@ pub use error::{FileError, mend_of};
 pub use journal::{Journal, Log, NumberedLine, lock, log_path, read_log, write_log};
 pub use normal_mesh::{NotNormal, normal_mesh};
 pub use smaller::{NoSuchFile, Size, encode_smaller};
-pub use wavelet_file::{CurvePoint, Metadata, Model, decode, encode, is_wavelet_file, source_by_public_id};
+pub use source_indices::SourceIndices;
+pub use wavelet_file::{CurvePoint, Metadata, Model, decode, encode, is_wavelet_file};

@@ -12,10 +12,10 @@ use super::header::{self, Header};
 use super::held::surface_of;
 use super::progressive::{Encoded, Granularity};
 use super::progressive::{decode_base, decode_stream, encode_base, encode_stream};
-use crate::hierarchy::{BaseMesh, Hierarchy, Level, MOST_VERTICES, PublicId};
+use super::source_indices::{SOURCE, SourceIndices};
+use crate::hierarchy::{BaseMesh, Hierarchy, Level, MOST_VERTICES};
 use crate::surface::{Surface, SurfaceHash};
 use crate::wavelet::Filters;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::sync::Arc;
@@ -24,7 +24,6 @@ const HEAD: Kind = *b"HEAD";
 const BASE: Kind = *b"BASE";
 const WAVELETS: Kind = *b"WAVE";
 const END: Kind = *b"END!";
-const SOURCE: Kind = *b"SRCE";
 const META: Kind = *b"META";
 const KNOWN: [Kind; 4] = [HEAD, BASE, WAVELETS, END];
 
@@ -51,7 +50,7 @@ pub struct Model {
     /// The surface; of a partial file with zeros for what is missing.
     pub surface: Surface,
     /// For each public id the index of the vertex in the imported file, where that had subdivision connectivity.
-    pub source: Option<Arc<Vec<u32>>>,
+    pub source: Option<Arc<SourceIndices>>,
     /// Where the surface came from.
     pub metadata: Metadata,
     /// Whether everything up to the end marker was there.
@@ -78,7 +77,7 @@ pub struct CurvePoint {
 
 impl Model {
     /// A model fresh from an import.
-    pub fn new(surface: Surface, source: Option<Vec<u32>>, metadata: Metadata) -> Self {
+    pub fn new(surface: Surface, source: Option<SourceIndices>, metadata: Metadata) -> Self {
         let stated_hash = surface.hash();
         Self {
             surface,
@@ -136,8 +135,7 @@ pub(super) fn encode_parts(model: &Model, stream: &Encoded, parts: Parts) -> Vec
     chunks.extend(wave_chunks(stream, parts));
     chunks.push(Chunk::stored(END, true, Vec::new()));
     if let Some(source) = &model.source {
-        let raw: Vec<u8> = source.iter().flat_map(|v| v.to_le_bytes()).collect();
-        chunks.push(Chunk::new(SOURCE, false, &raw));
+        chunks.push(source.to_chunk());
     }
     if model.metadata != Metadata::default() {
         let metadata = serde_json::to_vec(&model.metadata).expect("metadata is plain data");
@@ -389,14 +387,8 @@ impl Reader<'_> {
         while let Some((at, chunk)) = self.next()? {
             match chunk.kind {
                 SOURCE => {
-                    let raw = self.unpack(at, &chunk, 4 * u64::from(count))?;
-                    let source: Vec<u32> = raw
-                        .chunks_exact(4)
-                        .map(|bytes| u32::from_le_bytes(bytes.try_into().expect("four bytes")))
-                        .collect();
-                    if source.len() != count as usize {
-                        return Err(self.error(at, "the source indices do not match the vertices", RESTORE));
-                    }
+                    let source = SourceIndices::read(chunk, count);
+                    let source = source.map_err(|what| self.error(at, what, RESTORE))?;
                     model.source = Some(Arc::new(source));
                 }
                 META => {
@@ -423,13 +415,4 @@ const PREAMBLE_END: usize = chunk::PREAMBLE;
 
 fn letters(kind: Kind) -> String {
     kind.iter().map(|&b| if b.is_ascii_graphic() { char::from(b) } else { '?' }).collect()
-}
-
-/// The source indices of an import, from slots to public ids.
-pub fn source_by_public_id(hierarchy: &Hierarchy, by_slot: &[u32]) -> Vec<u32> {
-    let layout = hierarchy.layout(hierarchy.finest());
-    (0..layout.len())
-        .into_par_iter()
-        .map(|id| by_slot[layout.slot(layout.site_of(PublicId(id))).index()])
-        .collect()
 }

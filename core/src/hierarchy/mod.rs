@@ -18,4 +18,5 @@ pub use ids::{Level, Odd, PublicId, Slot};
 pub use layout::{FINEST_LEVEL, Layout, MOST_VERTICES, Site};
 pub use neighbourhood::{DIRECTIONS, Ring};
 pub use subtriangle::Subtriangle;
+pub(crate) use tables::for_each_triangle_of_face;
 pub use tables::{Hierarchy, row_slots};

@@ -10,6 +10,27 @@ pub struct Hierarchy {
     layouts: Vec<Layout>,
 }
 
+/// Calls back for the triangles of `M^j` in one base face, as the slots of their corners; `rows` is room to work in.
+pub(crate) fn for_each_triangle_of_face(
+    layout: &Layout,
+    face: u32,
+    [lower, upper]: &mut [Vec<u32>; 2],
+    mut found: impl FnMut([u32; 3]),
+) {
+    row_slots(layout, face, 0, lower);
+    for r in 1..=layout.segments() {
+        row_slots(layout, face, r, upper);
+        let (pairs, last) = (upper.len() - 1, upper[upper.len() - 1]);
+        let rows = lower.windows(3).zip(upper.windows(2));
+        for (low, up) in rows {
+            found([low[0], low[1], up[0]]);
+            found([low[1], up[1], up[0]]);
+        }
+        found([lower[pairs], lower[pairs + 1], last]);
+        std::mem::swap(lower, upper);
+    }
+}
+
 impl Hierarchy {
     /// The hierarchy with finest level `J`, or `None` if `M^J` would have 2^31 vertices or more.
     pub fn new(base: Arc<BaseMesh>, finest: Level) -> Option<Self> {
@@ -46,23 +67,9 @@ impl Hierarchy {
 
     /// Calls back for [`Hierarchy::triangles`], none of which is kept.
     pub fn for_each_triangle(&self, level: Level, mut found: impl FnMut([u32; 3])) {
-        let layout = self.layout(level);
-        let n = layout.segments();
-        let mut lower = Vec::new();
-        let mut upper = Vec::new();
+        let mut rows = Default::default();
         for face in 0..self.base.faces().len() as u32 {
-            row_slots(layout, face, 0, &mut lower);
-            for r in 1..=n {
-                row_slots(layout, face, r, &mut upper);
-                let (pairs, last) = (upper.len() - 1, upper[upper.len() - 1]);
-                let rows = lower.windows(3).zip(upper.windows(2));
-                for (low, up) in rows {
-                    found([low[0], low[1], up[0]]);
-                    found([low[1], up[1], up[0]]);
-                }
-                found([lower[pairs], lower[pairs + 1], last]);
-                std::mem::swap(&mut lower, &mut upper);
-            }
+            for_each_triangle_of_face(self.layout(level), face, &mut rows, &mut found);
         }
     }
 

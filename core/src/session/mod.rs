@@ -20,8 +20,8 @@ pub use replay::{ReplayError, ReplayReason, effective};
 use crate::disk::Vfs;
 use crate::edit::{BrushStroke, Edit, EditError, Entry, Equaliser, Glimpse, Line, Step};
 use crate::file::{
-    FileError, Journal, Metadata, Model, NumberedLine, decode, encode, is_wavelet_file, lock, log_path,
-    write_log,
+    FileError, Journal, Metadata, Model, NumberedLine, SourceIndices, decode, encode, is_wavelet_file, lock,
+    log_path, write_log,
 };
 use crate::surface::{Changes, Surface, SurfaceHash};
 use attic::{Attic, LogText};
@@ -95,7 +95,7 @@ pub struct Session {
     /// A step shown on coarse levels before it is made.
     glimpse: Option<Glimpse>,
     /// The model's source indices, which hold as long as the levels are those of the file.
-    source: Option<Arc<Vec<u32>>>,
+    source: Option<Arc<SourceIndices>>,
     history_failure: Option<String>,
 }
 
@@ -432,6 +432,16 @@ impl Session {
         }
         self.vfs.0.replace(path, &encode(&self.model)).map_err(|cause| io_error(path, cause))?;
         Ok(())
+    }
+
+    /// Ends the session with a copy, as [`Session::save_copy`] writes it, and lets go first of what that does not need.
+    ///
+    /// # Errors
+    /// The file cannot be written, or one with a log of its own is there.
+    pub fn into_copy(mut self, path: &Path) -> Result<(), SessionError> {
+        self.end_stroke();
+        self.unsaved = None;
+        self.save_copy(path)
     }
 
     /// Takes back everything since the last save mark, for good, and closes. The log keeps it all.

@@ -4,7 +4,7 @@
 #![allow(dead_code, reason = "every test program uses its own part of this")]
 
 use bozzetto_core::edit::{Edit, Falloff, Gain, Kind, Move, Stroke, Tool};
-use bozzetto_core::file::{Metadata, Model};
+use bozzetto_core::file::{Metadata, Model, SourceIndices};
 use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level};
 use bozzetto_core::mesh::TriangleMesh;
 use bozzetto_core::surface::{Form, Placement, Surface, UpAxis, Vector};
@@ -75,7 +75,7 @@ pub(crate) fn model(mesh: &TriangleMesh, wavelet: Wavelet, sharp: usize, finest:
     let surface = surface(mesh, wavelet, sharp, finest, seed);
     let source = Numbers(!seed).permutation(surface.scaling(surface.finest()).len() as u32);
     let metadata = Metadata { source: Some("Büste.obj".into()), source_sha256: Some("00ff".into()) };
-    Model::new(surface, Some(source), metadata)
+    Model::new(surface, Some(SourceIndices::new(&source)), metadata)
 }
 
 /// Every integer a surface holds: `c^0 … c^J`, then `d^0 … d^{J−1}`.

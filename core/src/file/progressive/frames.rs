@@ -4,8 +4,8 @@
 //! so it is undone exactly: with `a` the axis nearest to the normal `n`, `ν = d·n / |n_a|` and the two other components
 //! less their share of `ν n`. An error of `ν` moves a vertex along the normal, one of the others in the surface.
 
-use super::visit::of_odds;
-use crate::hierarchy::{Hierarchy, Level};
+use super::visit::of_odds_by_face;
+use crate::hierarchy::{Hierarchy, Layout, Level, for_each_triangle_of_face};
 use crate::surface::Vector;
 
 /// Bits of a slope's fraction.
@@ -86,36 +86,109 @@ fn quotient(x: i64, y: i64) -> i64 {
 }
 
 /// The frames of the odd vertices of a level, from positions of its vertices by slot: each about the sum of its parents'
-/// normals. A vertex's normal is the sum of `(b − a) × (c − a)` over its faces, modulo 2^64. `O(n_j)`.
+/// normals. A vertex's normal is the sum of `(b − a) × (c − a)` over its faces, modulo 2^64. `O(n_j)`; of the normals only those
+/// on base edges and of a base face at a time are kept.
 pub(super) fn frames(hierarchy: &Hierarchy, level: Level, positions: &[Vector]) -> Vec<Frame> {
-    let normals = normals(hierarchy, level, positions);
-    of_odds(hierarchy.layout(level), hierarchy.layout(level.finer()), |_, _, parents| {
-        let [u, w] = parents.map(|slot| normals[slot as usize]);
+    let layout = hierarchy.layout(level);
+    let borders = layout.row(0, 1).index();
+    let mut on_borders = vec![[0i64; 3]; borders];
+    hierarchy.for_each_triangle(level, |corners| {
+        if corners.iter().any(|&slot| (slot as usize) < borders) {
+            let cross = cross(positions, corners);
+            let on_border = corners.into_iter().filter(|&slot| (slot as usize) < borders);
+            on_border.for_each(|slot| add(&mut on_borders[slot as usize], cross));
+        }
+    });
+    let inside = |face: u32, of_face: &mut OfFace| of_face.collect(layout, face, positions);
+    of_odds_by_face(layout, hierarchy.layout(level.finer()), inside, |of_face, _, _, parents| {
+        let normal =
+            |slot: u32| on_borders.get(slot as usize).copied().unwrap_or_else(|| of_face.normal(slot));
+        let [u, w] = parents.map(normal);
         Frame::about([0, 1, 2].map(|c| u[c].wrapping_add(w[c])))
     })
 }
 
-fn normals(hierarchy: &Hierarchy, level: Level, positions: &[Vector]) -> Vec<[i64; 3]> {
-    let mut normals = vec![[0i64; 3]; positions.len()];
-    hierarchy.for_each_triangle(level, |corners| {
-        let [a, b, c] = corners.map(|slot| positions[slot as usize].map(i64::from));
-        let [p, q] = [b, c].map(|x| [0, 1, 2].map(|k| x[k] - a[k]));
-        let cross = [0, 1, 2].map(|k| {
-            let (l, m) = ((k + 1) % 3, (k + 2) % 3);
-            p[l].wrapping_mul(q[m]).wrapping_sub(p[m].wrapping_mul(q[l]))
-        });
-        for slot in corners {
-            let normal = &mut normals[slot as usize];
-            *normal = [0, 1, 2].map(|k| normal[k].wrapping_add(cross[k]));
+/// The normals inside a base face.
+#[derive(Default)]
+struct OfFace {
+    /// The slot of the first.
+    first: u32,
+    normals: Vec<[i64; 3]>,
+    rows: [Vec<u32>; 2],
+}
+
+impl OfFace {
+    fn collect(&mut self, layout: &Layout, face: u32, positions: &[Vector]) {
+        let n = layout.segments() as usize;
+        self.first = layout.row(face, 1).0;
+        self.normals.clear();
+        self.normals.resize((n - 1) * n.saturating_sub(2) / 2, [0; 3]);
+        if self.normals.is_empty() {
+            return;
         }
-    });
-    normals
+        for_each_triangle_of_face(layout, face, &mut self.rows, |corners| {
+            let cross = cross(positions, corners);
+            // What lies on borders lies before all faces.
+            for slot in corners {
+                if let Some(normal) = self.normals.get_mut(slot.wrapping_sub(self.first) as usize) {
+                    add(normal, cross);
+                }
+            }
+        });
+    }
+
+    fn normal(&self, slot: u32) -> [i64; 3] {
+        self.normals[(slot - self.first) as usize]
+    }
+}
+
+fn cross(positions: &[Vector], corners: [u32; 3]) -> [i64; 3] {
+    let [a, b, c] = corners.map(|slot| positions[slot as usize].map(i64::from));
+    let [p, q] = [b, c].map(|x| [0, 1, 2].map(|k| x[k] - a[k]));
+    [0, 1, 2].map(|k| {
+        let (l, m) = ((k + 1) % 3, (k + 2) % 3);
+        p[l].wrapping_mul(q[m]).wrapping_sub(p[m].wrapping_mul(q[l]))
+    })
+}
+
+fn add(normal: &mut [i64; 3], cross: [i64; 3]) {
+    *normal = [0, 1, 2].map(|k| normal[k].wrapping_add(cross[k]));
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hierarchy::{BaseMesh, Odd};
+    use crate::mesh::shapes;
     use proptest::prelude::*;
+    use std::sync::Arc;
+
+    /// Face by face the frames are those of normals that are summed around each vertex.
+    #[test]
+    fn frames_are_about_the_sums_of_normals() {
+        for (name, mesh) in shapes::awkward() {
+            let base = BaseMesh::new(mesh.positions.len() as u32, mesh.faces.clone(), &[]).expect(name);
+            let hierarchy = Hierarchy::new(Arc::new(base), Level(4)).expect("small");
+            for level in (0..4).map(Level) {
+                let layout = hierarchy.layout(level);
+                let mixed = |k: u32| (k.wrapping_mul(0x9e37_79b9) ^ k << 13) as i32 >> 3;
+                let positions: Vec<Vector> =
+                    (0..layout.len()).map(|v| [3 * v, 3 * v + 1, 3 * v + 2].map(mixed)).collect();
+                let mut normals = vec![[0i64; 3]; positions.len()];
+                for corners in hierarchy.triangles(level) {
+                    corners
+                        .into_iter()
+                        .for_each(|slot| add(&mut normals[slot as usize], cross(&positions, corners)));
+                }
+                for (odd, frame) in (0..).zip(frames(&hierarchy, level, &positions)) {
+                    let parents = layout.parents(layout.odd_site(Odd(odd)));
+                    let [u, w] = parents.map(|p| normals[layout.slot(p).index()]);
+                    let sum = [0, 1, 2].map(|c| u[c].wrapping_add(w[c]));
+                    assert_eq!(frame, Frame::about(sum), "{name}, level {level}, {odd}");
+                }
+            }
+        }
+    }
 
     proptest! {
         /// Turning is undone to the bit, whatever the normal and the coefficient.

@@ -60,24 +60,38 @@ pub(super) fn of_odds<T: Clone + Default + Send>(
     fine: &Layout,
     make: impl Fn(u32, u32, [u32; 2]) -> T + Sync,
 ) -> Vec<T> {
+    of_odds_by_face(coarse, fine, |_, &mut ()| (), |&(), odd, slot, parents| make(odd, slot, parents))
+}
+
+/// [`of_odds`] with something prepared for each base face before its odd vertices are asked for; for those on edges nothing is.
+pub(super) fn of_odds_by_face<T: Clone + Default + Send, P: Default>(
+    coarse: &Layout,
+    fine: &Layout,
+    prepare: impl Fn(u32, &mut P) + Sync,
+    make: impl Fn(&P, u32, u32, [u32; 2]) -> T + Sync,
+) -> Vec<T> {
     let mut values = vec![T::default(); coarse.odd_len() as usize];
     let n = coarse.segments() as usize;
     let (on_edges, inside) = values.split_at_mut(n * coarse.base().edges().len());
     on_edges.par_chunks_mut(n).enumerate().with_min_len(1024 / n + 1).for_each(|(edge, values)| {
-        let edge = edge as u32;
+        let (edge, prepared) = (edge as u32, P::default());
         for (s, value) in (0..n as u32).zip(values) {
             let slot = fine.slot(Site::Edge { edge, t: 2 * s + 1 }).0;
-            *value = make(edge * n as u32 + s, slot, on_edge(coarse, edge, s));
+            *value = make(&prepared, edge * n as u32 + s, slot, on_edge(coarse, edge, s));
         }
     });
     let faces = inside.par_chunks_mut((3 * n * (n - 1) / 2).max(1)).enumerate();
-    faces.with_min_len(1024 / (n * n) + 1).for_each_init(Rows::default, |rows, (face, values)| {
-        let mut values = values.iter_mut();
-        let Ok(()) = rows.in_face(coarse, fine, face as u32, |odd, _, [_, row, _], i, parents| {
-            *values.next().expect("as many as odd vertices") = make(odd, row[i], parents);
-            Ok::<(), Infallible>(())
-        });
-    });
+    faces.with_min_len(1024 / (n * n) + 1).for_each_init(
+        <(Rows, P)>::default,
+        |(rows, prepared), (face, values)| {
+            prepare(face as u32, prepared);
+            let mut values = values.iter_mut();
+            let Ok(()) = rows.in_face(coarse, fine, face as u32, |odd, _, [_, row, _], i, parents| {
+                *values.next().expect("as many as odd vertices") = make(prepared, odd, row[i], parents);
+                Ok::<(), Infallible>(())
+            });
+        },
+    );
     values
 }
 

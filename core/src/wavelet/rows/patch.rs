@@ -172,7 +172,6 @@ struct Refinement<'a, const N: usize> {
 }
 
 /// A row of even vertices: where they were, and what is added to them.
-#[derive(Default)]
 struct Line<const N: usize> {
     first: i32,
     old: Vec<[i32; N]>,
@@ -180,21 +179,45 @@ struct Line<const N: usize> {
     step: Vec<[i32; N]>,
 }
 
+impl<const N: usize> Line<N> {
+    /// Room for so many columns.
+    fn new(columns: usize) -> Self {
+        let [old, new, step] = [(); 3].map(|()| Vec::with_capacity(columns));
+        Self { first: 0, old, new, step }
+    }
+}
+
 /// Scratch rows.
-#[derive(Default)]
 struct Scratch<const N: usize> {
     a: Vec<[i32; N]>,
     b: Vec<[i32; N]>,
     merged: Vec<[i32; N]>,
 }
 
+impl<const N: usize> Scratch<N> {
+    /// Room for so many columns.
+    fn new(columns: usize) -> Self {
+        let [a, b, merged] = [1, 1, 2].map(|times| Vec::with_capacity(times * columns));
+        Self { a, b, merged }
+    }
+}
+
 impl<const N: usize> Refinement<'_, N> {
     fn run(self, interior: &mut [[i32; N]]) -> Finer<N> {
-        let patch = Patch { face: self.patch.face, top: i32::MAX, rows: Vec::new(), steps: Vec::new() };
-        let mut finer = Finer { patch, borders: Vec::new(), runs: Vec::new(), beyond: false };
+        // Twice as many rows and columns, and what a change reaches beyond them.
+        let rows = 2 * self.patch.rows.len() + 3;
+        let widest = self.patch.rows.iter().map(|row| row.len).max().unwrap_or(0) + 4;
+        let kept = if self.last { 0 } else { 4 * self.patch.steps.len() + 8 * rows };
+        let patch = Patch {
+            face: self.patch.face,
+            top: i32::MAX,
+            rows: Vec::with_capacity(rows),
+            steps: Vec::with_capacity(kept),
+        };
+        let mut finer = Finer { patch, borders: Vec::new(), runs: Vec::with_capacity(rows), beyond: false };
         let n = self.fine.segments() as i32 / 2;
-        let (mut upper, mut lower) = (Line::default(), Line::default());
-        let mut scratch = Scratch::default();
+        let (mut upper, mut lower) = (Line::new(widest), Line::new(widest));
+        let mut scratch = Scratch::new(widest);
         let bottom = self.patch.top + self.patch.rows.len() as i32 - 1;
         self.load(self.patch.top - 1, interior, &mut upper);
         for r in self.patch.top - 1..=bottom {
@@ -241,18 +264,25 @@ impl<const N: usize> Refinement<'_, N> {
         if !(0..=n).contains(&r) || end <= line.first {
             line.old.resize((end - line.first).max(0) as usize, [0; N]);
         } else {
-            let stored = self.inside(2 * r);
-            line.old.extend((line.first..end).map(
-                |i| match stored.clone().nth((2 * i - 1).max(-1) as usize) {
-                    Some(place) if i > 0 => interior[place],
-                    _ if i + r > n => [0; N],
-                    _ => {
-                        let (fine, n) = (self.fine, 2 * n);
-                        let b = [n - 2 * i - 2 * r, 2 * i, 2 * r].map(|x| x as u32);
-                        self.borders[fine.slot(fine.site_at(self.patch.face, b)).index()]
-                    }
-                },
-            ));
+            // Inside the face every second place of the row.
+            let inside = line.first.max(1)..if r > 0 { end.min(n - r) } else { 0 };
+            let border = |i: i32| match i + r > n {
+                true => [0; N],
+                false => {
+                    let (fine, n) = (self.fine, 2 * n);
+                    let b = [n - 2 * i - 2 * r, 2 * i, 2 * r].map(|x| x as u32);
+                    self.borders[fine.slot(fine.site_at(self.patch.face, b)).index()]
+                }
+            };
+            if inside.is_empty() {
+                line.old.extend((line.first..end).map(border));
+            } else {
+                line.old.extend((line.first..inside.start).map(border));
+                let from = self.inside(2 * r).start + (2 * inside.start - 1) as usize;
+                let stored = &interior[from..from + 2 * inside.len() - 1];
+                line.old.extend(stored.iter().step_by(2));
+                line.old.extend((inside.end..end).map(border));
+            }
         }
         line.step.resize(line.old.len(), [0; N]);
         let run = self.patch.row(r);

@@ -41,10 +41,7 @@ impl Stencil {
         d: &[[i32; N]],
     ) -> [i64; N] {
         let rows = rows_inside(layout, face, [i, r]);
-        self.sum(d, |tap| {
-            let (row, along) = tap.in_row();
-            rows[(row + REACH as i32) as usize].wrapping_add_signed(along)
-        })
+        self.sum(d, |tap| rows[(tap.row + REACH as i32) as usize].wrapping_add_signed(tap.along))
     }
 
     /// [`Stencil::sum_inside`] for any even vertex around which the grid goes on as the regular lattice does.
@@ -61,8 +58,7 @@ impl Stencil {
             let [dr, di] = tap.steps();
             let (i, r) = (2 * i as i32 + di, 2 * r as i32 + dr);
             if i > 0 && r > 0 && i + r < n {
-                let (row, along) = tap.in_row();
-                return rows[(row + REACH as i32) as usize].wrapping_add_signed(along);
+                return rows[(tap.row + REACH as i32) as usize].wrapping_add_signed(tap.along);
             }
             let odd = layout.resolve_odd(face, [n - i - r, i, r]);
             odd.expect("a regular vertex's stencil stays on the surface").0

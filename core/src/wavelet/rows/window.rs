@@ -30,44 +30,35 @@ pub(super) enum Plane {
     D,
 }
 
-/// An odd vertex relative to an even one.
+/// An odd vertex relative to an even one: the row at level j + 1, and how many stored odd vertices along it, for of an even row
+/// every second is odd.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
-    plane: Plane,
-    i: i32,
-    r: i32,
+    pub(super) row: i32,
+    pub(super) along: i32,
 }
 
 impl Place {
     /// From steps of level j + 1; the place must be odd.
     pub(super) fn of_odd(dr: i32, di: i32) -> Self {
-        let plane = match (dr.rem_euclid(2), di.rem_euclid(2)) {
-            (0, _) => Plane::H,
-            (_, 0) => Plane::V,
-            _ => Plane::D,
-        };
-        Self { plane, i: di.div_euclid(2), r: dr.div_euclid(2) }
+        Self { row: dr, along: if dr % 2 == 0 { di.div_euclid(2) } else { di } }
     }
 
     /// `(dr, di)` in steps of level j + 1.
     #[inline(always)]
     pub(super) fn steps(self) -> [i32; 2] {
-        let (dr, di) = match self.plane {
-            Plane::H => (0, 1),
-            Plane::V => (1, 0),
-            Plane::D => (1, 1),
-        };
-        [2 * self.r + dr, 2 * self.i + di]
+        [self.row, if self.row % 2 == 0 { 2 * self.along + 1 } else { self.along }]
     }
 
-    /// The row at level j + 1, and how many stored odd vertices along it: of an even row every second is odd.
-    #[inline(always)]
-    pub(super) fn in_row(self) -> (i32, i32) {
-        match self.plane {
-            Plane::H => (2 * self.r, self.i),
-            Plane::V => (2 * self.r + 1, 2 * self.i),
-            Plane::D => (2 * self.r + 1, 2 * self.i + 1),
-        }
+    /// The plane, and where in it, relative to the even vertex: column and row.
+    fn in_plane(self) -> (Plane, [i32; 2]) {
+        let [dr, di] = self.steps();
+        let plane = match (dr.rem_euclid(2), di.rem_euclid(2)) {
+            (0, _) => Plane::H,
+            (_, 0) => Plane::V,
+            _ => Plane::D,
+        };
+        (plane, [di.div_euclid(2), dr.div_euclid(2)])
     }
 }
 
@@ -164,7 +155,8 @@ impl<const N: usize> Window<N> {
     /// as the even vertex has, less the halo.
     pub(super) fn place(&self, stencil: &Stencil) -> [PlacedStencil; ROWS] {
         std::array::from_fn(|own| {
-            stencil.placed(|Place { plane, i, r }| {
+            stencil.placed(|place| {
+                let (plane, [i, r]) = place.in_plane();
                 let row = plane as usize * ROWS + row_place(own as i32 + r);
                 ((row * self.columns) as i32 + i + HALO) as u32 * N as u32
             })
