@@ -15,6 +15,7 @@ mod density;
 mod domain;
 mod edge_flips;
 mod even;
+mod fans;
 mod fit;
 mod fitted;
 mod flatten;

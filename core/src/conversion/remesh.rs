@@ -7,6 +7,7 @@ use super::creases::Creases;
 use super::density::Density;
 use super::domain::Domain;
 use super::edge_flips::{flip_edges, open_ears};
+use super::fans::{Ringed, with_rings};
 use super::fit::{FitRules, fit};
 use super::halve::Half;
 use super::held::Held;
@@ -213,9 +214,11 @@ const FACES_PER_CORNER: usize = 4;
 /// Samples on each surface when a greatest distance was promised.
 const CLOSE_SAMPLES: usize = 1_000_000;
 
-/// A cleaned input in a box of diagonal 1, and the surface that is parameterised in its place: itself, or where it is
-/// very large a close one of fewer faces.
+/// A cleaned input in a box of diagonal 1, and the surface that is parameterised in its place: itself, with rings in large
+/// fans, or where it is very large a close one of fewer faces.
 struct Prepared {
+    /// Faces of the input.
+    faces: usize,
     target: TriangleMesh,
     ground: TriangleMesh,
     connectivity: Connectivity<'static>,
@@ -236,7 +239,14 @@ impl Prepared {
         progress: &dyn Fn(Phase, f32) -> bool,
     ) -> Result<Self, RemeshError> {
         if target.faces.len() <= LARGEST_GROUND {
-            return Ok(Self { ground: target.clone(), target, connectivity, half: None });
+            let faces = target.faces.len();
+            let (target, ground, connectivity) = match with_rings(&target, &connectivity) {
+                // Points near the hub of many slivers are slow to project.
+                Some(Ringed { mesh, connectivity, is_flat: true }) => (mesh.clone(), mesh, connectivity),
+                Some(ringed) => (target, ringed.mesh, ringed.connectivity),
+                None => (target.clone(), target, connectivity),
+            };
+            return Ok(Self { faces, target, ground, connectivity, half: None });
         }
         let mut working = working_mesh(&target, &connectivity);
         if !target.sharp_edges.is_empty() {
@@ -250,7 +260,7 @@ impl Prepared {
         let ground = working.compact();
         let connectivity = Connectivity::build(ground.positions.len() as u32, ground.faces.clone())
             .expect("collapses keep a manifold");
-        Ok(Self { target, ground, connectivity, half: None })
+        Ok(Self { faces: target.faces.len(), target, ground, connectivity, half: None })
     }
 }
 
@@ -291,7 +301,7 @@ fn attempt<'m>(
 ) -> Result<Made, RemeshError> {
     let check = |phase| if progress(phase, 0.0) { Ok(()) } else { Err(RemeshError::Cancelled) };
     let Size { base_faces: aim, levels, spacing, closely } = size;
-    let Prepared { target: input, ground, connectivity, half } = prepared;
+    let Prepared { faces, target: input, ground, connectivity, half } = prepared;
     check(Phase::Simplify)?;
     let (whole, connectivity) = match half {
         None => (ground, connectivity),
@@ -337,7 +347,7 @@ fn attempt<'m>(
     check(Phase::Resample)?;
     let domain = Domain::new(&working, &map)?;
     let base_faces = sides * domain.base.faces().len();
-    if fewer_levels && let Some(size) = affordable(size, base_faces, input.faces.len()) {
+    if fewer_levels && let Some(size) = affordable(size, base_faces, *faces) {
         let how = How { fewer_levels: false, as_is: false, sharp_angle, unfolding };
         return attempt(prepared, target, size, how, progress);
     }
