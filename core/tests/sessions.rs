@@ -270,6 +270,15 @@ fn saving_under_other_names() {
     }
     assert!(vfs.bytes("work/one.edits") == one_before && session.hash() == later);
     drop(held);
+    // A baked copy that ends the session, one without a file too, with a stroke that is under way.
+    let mut last = open(&vfs, "work/one.boz");
+    last.begin_stroke(draw_move(&mut numbers, last.surface())).expect("a modest edit");
+    last.drag_to([0.01, 0.0, 0.0]).expect("a modest edit");
+    let finest = last.surface().finest();
+    let dragged = last.surface().scaling(finest).to_vec();
+    last.into_copy(Path::new("work/last.boz")).expect("a sound disk");
+    let copy = decode(&vfs.bytes("work/last.boz"), Path::new("last")).expect("sound");
+    assert!(copy.surface.scaling(finest) == dragged && copy.stated_hash == copy.surface.hash());
     // Onto one that is closed: replaced with its log.
     session.save_as(Path::new("work/one.boz")).expect("closed");
     session.close().expect("a sound disk");

@@ -437,11 +437,12 @@ impl Session {
     /// Ends the session with a copy, as [`Session::save_copy`] writes it, and lets go first of what that does not need.
     ///
     /// # Errors
-    /// The file cannot be written, or one with a log of its own is there.
+    /// The copy cannot be written, or a file with a log of its own is there, or the session's own log is not on disk.
     pub fn into_copy(mut self, path: &Path) -> Result<(), SessionError> {
         self.end_stroke();
         self.unsaved = None;
-        self.save_copy(path)
+        self.save_copy(path)?;
+        self.close().map_err(SessionError::Journal)
     }
 
     /// Takes back everything since the last save mark, for good, and closes. The log keeps it all.
