@@ -334,6 +334,7 @@ fn attempt<'m>(
     })?;
     open_ears(&mut working, &mut map);
     if may_stay
+        && prepared.connectivity.genus() >= MANY_HANDLES
         && tiny_part(&working) > MOST_TINY
         && let Some(size) = as_is(size, ground.faces.len())
     {
@@ -402,9 +403,11 @@ fn attempt<'m>(
 
 /// A base face is tiny below this part of the mean area.
 const TINY: f64 = 0.01;
-/// Where more than this part of the base faces is tiny, they lie round tunnels much narrower than they, as noise leaves
-/// them in scans; on the surface of such a base mesh hundreds of faces would be turned over.
+/// Where more than this part of the base faces is tiny, and there are many handles, they lie round tunnels much narrower than
+/// they, as noise leaves them in scans; on the surface of such a base mesh hundreds of faces would be turned over.
 const MOST_TINY: f64 = 0.05;
+/// Fewer handles are no tangle, whatever is tiny: a bust of a million faces has small ones about its ears.
+const MANY_HANDLES: u32 = 5;
 
 /// What part of the faces is tiny.
 fn tiny_part(mesh: &WorkingMesh) -> f64 {
