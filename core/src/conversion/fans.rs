@@ -56,7 +56,7 @@ fn one_ring_each(
     begun: &mut FxHashSet<u32>,
 ) -> Option<(TriangleMesh, f64)> {
     let (mut replaced, mut least) = (FxHashSet::default(), 1.0f64);
-    let mut next = TriangleMesh { faces: Vec::new(), ..mesh.clone() };
+    let mut fans = Vec::new();
     for hub in 0..mesh.positions.len() as u32 {
         let most = if begun.contains(&hub) { WANTED } else { LARGEST };
         if connectivity.outgoing(hub) == connectivity::NONE
@@ -66,23 +66,24 @@ fn one_ring_each(
             continue;
         }
         let fan = Fan::around(connectivity, hub);
-        if fan.faces.iter().any(|face| replaced.contains(face)) {
-            continue;
-        }
         let cosine = fan.least_cosine(mesh);
-        if cosine < FLAT.to_radians().cos() {
+        if cosine < FLAT.to_radians().cos() || fan.faces.iter().any(|face| replaced.contains(face)) {
             continue;
         }
         least = least.min(cosine);
         begun.insert(hub);
-        fan.lay_ring(&mut next);
-        replaced.extend(fan.faces);
+        replaced.extend(fan.faces.iter().copied());
+        fans.push(fan);
     }
-    if replaced.is_empty() {
+    if fans.is_empty() {
         return None;
     }
     let kept = (0..).zip(&mesh.faces).filter(|(face, _)| !replaced.contains(face));
-    next.faces.extend(kept.map(|(_, &corners)| corners));
+    let rest: Vec<[u32; 3]> = kept.map(|(_, &corners)| corners).collect();
+    let (positions, sharp_edges) = (mesh.positions.clone(), mesh.sharp_edges.clone());
+    let mut next = TriangleMesh { positions, sharp_edges, faces: Vec::new() };
+    fans.iter().for_each(|fan| fan.lay_ring(&mut next));
+    next.faces.extend(rest);
     Some((next, least))
 }
 
