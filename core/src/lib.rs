@@ -6,6 +6,7 @@ pub mod file;
 pub mod hierarchy;
 pub mod io;
 pub mod lod;
+pub mod memory;
 pub mod mesh;
 pub mod session;
 pub mod surface;

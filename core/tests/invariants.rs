@@ -23,7 +23,7 @@ fn surface(mesh: &TriangleMesh, wavelet: Wavelet, sharp: usize, finest: u8, seed
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 39) as i32 - (1 << 24)
     };
-    let finest = (0..count).map(|_| std::array::from_fn(|_| next())).collect();
+    let finest: Vec<[i32; 3]> = (0..count).map(|_| std::array::from_fn(|_| next())).collect();
     let placement = Placement {
         origin: [0.0; 3],
         step: 1.0 / f64::from(1 << 24),

@@ -4,8 +4,20 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The core's modules: each may import those before it, and no others.
-const CORE: [&str; 11] =
-    ["disk", "mesh", "io", "hierarchy", "wavelet", "conversion", "surface", "edit", "file", "lod", "session"];
+const CORE: [&str; 12] = [
+    "memory",
+    "disk",
+    "mesh",
+    "io",
+    "hierarchy",
+    "wavelet",
+    "conversion",
+    "surface",
+    "edit",
+    "file",
+    "lod",
+    "session",
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the workspace").to_owned()

@@ -5,21 +5,30 @@
 //! at regular vertices for k = 2.
 
 use bozzetto_core::hierarchy::{Layout, Level, Odd, Slot};
+use bozzetto_core::memory::Buffer;
 use bozzetto_core::surface::Surface;
 use bozzetto_core::wavelet::Filters;
 use bozzetto_core::wavelet::lifting::parent_slots;
 use bozzetto_core::wavelet::weights::WEIGHT_BITS;
 
 /// A sparse matrix by rows.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Matrix {
     /// Where each row ends in the other two.
+    ends: Buffer<u32>,
+    columns: Buffer<u32>,
+    values: Buffer<f32>,
+}
+
+/// The rows of a matrix as they come.
+#[derive(Default)]
+struct Rows {
     ends: Vec<u32>,
     columns: Vec<u32>,
     values: Vec<f32>,
 }
 
-impl Matrix {
+impl Rows {
     fn push(&mut self, column: u32, value: f32) {
         self.columns.push(column);
         self.values.push(value);
@@ -29,6 +38,12 @@ impl Matrix {
         self.ends.push(self.columns.len() as u32);
     }
 
+    fn into_matrix(self) -> Matrix {
+        Matrix { ends: self.ends.into(), columns: self.columns.into(), values: self.values.into() }
+    }
+}
+
+impl Matrix {
     /// `y += A x`, row by row.
     fn add_product(&self, x: &[[f32; 3]], y: &mut [[f32; 3]]) {
         let mut start = 0;
@@ -55,7 +70,7 @@ struct LevelMatrices {
     /// What `d^j` adds to `c^j`.
     update: Matrix,
     /// The slots of the even vertices at level j + 1.
-    evens: Vec<u32>,
+    evens: Buffer<u32>,
 }
 
 /// All levels of analysis as matrices, with the vectors they work on.
@@ -64,9 +79,9 @@ pub(super) struct SparseAnalysis {
     /// Coarsest first.
     levels: Vec<LevelMatrices>,
     /// `c^j`, by level.
-    scaling: Vec<Vec<[f32; 3]>>,
+    scaling: Vec<Buffer<[f32; 3]>>,
     /// `d^j`, by level.
-    wavelets: Vec<Vec<[f32; 3]>>,
+    wavelets: Vec<Buffer<[f32; 3]>>,
 }
 
 impl SparseAnalysis {
@@ -77,11 +92,11 @@ impl SparseAnalysis {
         let finest = surface.finest();
         let layouts: Vec<&Layout> = (0..=finest.0).map(|j| hierarchy.layout(Level(j))).collect();
         let levels = layouts.windows(2).map(|w| LevelMatrices::of(w[0], w[1], surface.filters())).collect();
-        let mut scaling: Vec<_> = layouts.iter().map(|l| vec![[0.0; 3]; l.len() as usize]).collect();
+        let mut scaling: Vec<_> = layouts.iter().map(|l| Buffer::zeroed(l.len() as usize)).collect();
         let from = surface.scaling(finest);
-        scaling[finest.index()] = from.iter().map(|v| v.map(|x| x as f32)).collect();
+        scaling[finest.index()] = Buffer::of(from.len(), |slot| from[slot].map(|x| x as f32));
         let wavelets =
-            layouts[..finest.index()].iter().map(|l| vec![[0.0; 3]; l.odd_len() as usize]).collect();
+            layouts[..finest.index()].iter().map(|l| Buffer::zeroed(l.odd_len() as usize)).collect();
         Self { levels, scaling, wavelets }
     }
 
@@ -93,7 +108,7 @@ impl SparseAnalysis {
             let details = &mut self.wavelets[j];
             details.fill([0.0; 3]);
             level.predict.add_product(finer, details);
-            for (even, &slot) in coarser.iter_mut().zip(&level.evens) {
+            for (even, &slot) in coarser.iter_mut().zip(&level.evens[..]) {
                 *even = finer[slot as usize];
             }
             level.update.add_product(details, coarser);
@@ -103,7 +118,7 @@ impl SparseAnalysis {
 
 impl LevelMatrices {
     fn of(coarse: &Layout, fine: &Layout, filters: &Filters) -> Self {
-        let (mut predict, mut update) = (Matrix::default(), Matrix::default());
+        let (mut predict, mut update) = (Rows::default(), Rows::default());
         for odd in (0..coarse.odd_len()).map(Odd) {
             for parent in parent_slots(coarse, fine, odd) {
                 predict.push(parent.0, -0.5);
@@ -121,7 +136,7 @@ impl LevelMatrices {
             update.end_row();
             evens.push(fine.slot(Layout::refine(site)).0);
         }
-        Self { predict, update, evens }
+        Self { predict: predict.into_matrix(), update: update.into_matrix(), evens: evens.into() }
     }
 }
 

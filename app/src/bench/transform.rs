@@ -5,6 +5,7 @@ use super::sparse::SparseAnalysis;
 use super::timings::{Timings, pool};
 use anyhow::Result;
 use bozzetto_core::hierarchy::Level;
+use bozzetto_core::memory::Buffer;
 use bozzetto_core::surface::{Surface, Vector};
 use bozzetto_core::wavelet::rows::{Instructions, analyse_level_into, synthesise_level_into};
 use std::hint::black_box;
@@ -13,15 +14,15 @@ use std::time::Instant;
 /// A surface's coefficients in storage that is written over and over.
 struct Bank<'a> {
     surface: &'a Surface,
-    scaling: Vec<Vec<Vector>>,
-    wavelets: Vec<Vec<Vector>>,
+    scaling: Vec<Buffer<Vector>>,
+    wavelets: Vec<Buffer<Vector>>,
 }
 
 impl<'a> Bank<'a> {
     fn of(surface: &'a Surface) -> Self {
         let levels = surface.finest().0;
-        let scaling = (0..=levels).map(|j| surface.scaling(Level(j)).to_vec()).collect();
-        let wavelets = (0..levels).map(|j| surface.wavelets(Level(j)).to_vec()).collect();
+        let scaling = (0..=levels).map(|j| surface.scaling(Level(j)).into()).collect();
+        let wavelets = (0..levels).map(|j| surface.wavelets(Level(j)).into()).collect();
         Self { surface, scaling, wavelets }
     }
 
@@ -80,7 +81,7 @@ pub(super) fn transforms(surface: &Surface, runs: usize, done: &dyn Fn(f32)) -> 
     let mut bank = Bank::of(surface);
     let mut sparse = SparseAnalysis::of(surface);
     let finest = surface.scaling(surface.finest());
-    let mut copied = finest.to_vec();
+    let mut copied = Buffer::from(finest);
     let mut timings: [Timings; 7] = Default::default();
     let [analysis, synthesis, copy, copy_together, explicit, together, apart] = &mut timings;
     for run in 0..runs {

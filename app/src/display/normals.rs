@@ -5,6 +5,7 @@
 //! at once; elsewhere around each vertex alone.
 
 use bozzetto_core::hierarchy::{Layout, Site, Slot};
+use bozzetto_core::memory::Buffer;
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -14,11 +15,16 @@ use std::ops::Range;
 const WORTH_THREADS: usize = 1 << 14;
 
 /// The normals of all vertices. Linear in their number.
-pub(super) fn all(layout: &Layout, positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let mut normals = vec![[0.0; 3]; positions.len()];
-    let rows = rows_of(layout, std::iter::once(0..layout.len()));
-    refresh(layout, positions, &rows, &mut normals);
+pub(super) fn all(layout: &Layout, positions: &[[f32; 3]]) -> Buffer<[f32; 3]> {
+    let mut normals = Buffer::zeroed(positions.len());
+    refresh_all(layout, positions, &mut normals);
     normals
+}
+
+/// [`all`] into given storage.
+pub(super) fn refresh_all(layout: &Layout, positions: &[[f32; 3]], normals: &mut [[f32; 3]]) {
+    let rows = rows_of(layout, std::iter::once(0..layout.len()));
+    refresh(layout, positions, &rows, normals);
 }
 
 /// A run of slots within one row of storage.
@@ -286,7 +292,7 @@ mod tests {
             let hierarchy = Hierarchy::new(Arc::new(base), level).expect("small");
             let layout = hierarchy.layout(level);
             let positions = bumpy(layout.len() as usize);
-            for (slot, normal) in all(layout, &positions).into_iter().enumerate() {
+            for (slot, normal) in all(layout, &positions).iter().enumerate() {
                 let expected = alone(layout, Slot(slot as u32), &positions);
                 let apart = (0..3).map(|c| (normal[c] - expected[c]).abs()).fold(0.0, f32::max);
                 assert!(apart < 1e-3, "{name}, slot {slot}: {normal:?}, alone {expected:?}");

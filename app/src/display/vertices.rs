@@ -2,8 +2,8 @@
 
 use super::{Frame, normals};
 use bozzetto_core::hierarchy::{Level, Slot};
+use bozzetto_core::memory::Buffer;
 use bozzetto_core::surface::{Moved, Surface};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Positions and normals of one level by slot. Follows edits at the cost of what they moved.
@@ -11,10 +11,10 @@ use std::ops::Range;
 pub struct ShownVertices {
     level: Level,
     frame: Frame,
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
+    positions: Buffer<[f32; 3]>,
+    normals: Buffer<[f32; 3]>,
     /// Added to the level's positions; empty: nothing.
-    offsets: Vec<[f32; 3]>,
+    offsets: Buffer<[f32; 3]>,
 }
 
 /// Runs of changed slots closer than this are uploaded as one.
@@ -24,10 +24,10 @@ impl ShownVertices {
     /// All vertices of a level. Linear in their number.
     pub fn new(surface: &Surface, level: Level) -> Self {
         let frame = Frame::of(&surface.form().placement);
-        let positions: Vec<[f32; 3]> =
-            surface.scaling(level).par_iter().map(|&p| frame.place_f32(p)).collect();
+        let steps = surface.scaling(level);
+        let positions = Buffer::of(steps.len(), |slot| frame.place_f32(steps[slot]));
         let normals = normals::all(surface.hierarchy().layout(level), &positions);
-        Self { level, frame, positions, normals, offsets: Vec::new() }
+        Self { level, frame, positions, normals, offsets: Buffer::default() }
     }
 
     /// The vertices of a coarser level where a finer surface has them now, and from now on moved as the coarse level
@@ -37,13 +37,10 @@ impl ShownVertices {
         let mut shown = Self::new(surface, level);
         let hierarchy = surface.hierarchy();
         let layout = hierarchy.layout(level);
-        shown.offsets = (0..layout.len())
-            .into_par_iter()
-            .map(|slot| {
-                let fine = finer.positions[hierarchy.refine_slot(level, finer.level, Slot(slot)).index()];
-                difference(fine, shown.positions[slot as usize])
-            })
-            .collect();
+        shown.offsets = Buffer::of(shown.positions.len(), |slot| {
+            let fine = hierarchy.refine_slot(level, finer.level, Slot(slot as u32));
+            difference(finer.positions[fine.index()], shown.positions[slot])
+        });
         shown.place(surface, 0..layout.len() as usize);
         shown.normals = normals::all(layout, &shown.positions);
         shown
@@ -87,7 +84,8 @@ impl ShownVertices {
             Moved::Nothing => Vec::new(),
             Moved::Everything => {
                 self.place(surface, 0..self.positions.len());
-                self.normals = normals::all(surface.hierarchy().layout(self.level), &self.positions);
+                let layout = surface.hierarchy().layout(self.level);
+                normals::refresh_all(layout, &self.positions, &mut self.normals);
                 std::iter::once(0..self.positions.len() as u32).collect()
             }
             Moved::Some(runs) => {

@@ -187,7 +187,7 @@ fn deltas_of(surface: &Surface, plan: Plan) -> Deltas {
             let now = blocks.iter().map(|&(level, _)| (level, surface.wavelets(level)));
             let new = |level: Level| {
                 let of_level = blocks.iter().find(|(l, _)| *l == level);
-                of_level.expect("one of the plan's levels").1.as_slice()
+                &of_level.expect("one of the plan's levels").1[..]
             };
             Deltas { wavelets: differences(now, new), ..Deltas::default() }
         }

@@ -7,6 +7,7 @@ use super::plan::{EditError, existing_level};
 use super::vocabulary::{Kind, first, is_first};
 use super::{Deltas, Edit, Step};
 use crate::hierarchy::{Level, Odd};
+use crate::memory::Buffer;
 use crate::surface::{Changes, LIMIT, Surface, Vector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -83,23 +84,18 @@ fn shares(surface: &Surface, level: Level, over: Over) -> Shares {
 }
 
 /// The details of a level with a gain; `None` if one would leave its range.
-fn multiplied(before: &[Vector], shares: &Shares, gain: f64) -> Option<Vec<Vector>> {
+pub(super) fn multiplied(before: &[Vector], shares: &Shares, gain: f64) -> Option<Buffer<Vector>> {
     let scaled = |d: &Vector, factor: f64| -> Option<Vector> {
         let d = d.map(|x| (f64::from(x) * factor).round());
         d.iter().all(|x| x.abs() <= f64::from(LIMIT)).then(|| d.map(|x| x as i32))
     };
     match shares {
-        None => before.par_iter().with_min_len(1024).map(|d| scaled(d, gain)).collect(),
-        Some(shares) => before
-            .par_iter()
-            .zip(shares)
-            .with_min_len(1024)
-            .map(|(d, &share)| match share {
-                0 => Some(*d),
-                255 => scaled(d, gain),
-                share => scaled(d, 1.0 + (gain - 1.0) * (f64::from(share) / 255.0)),
-            })
-            .collect(),
+        None => Buffer::try_of(before.len(), |odd| scaled(&before[odd], gain)),
+        Some(shares) => Buffer::try_of(before.len(), |odd| match shares[odd] {
+            0 => Some(before[odd]),
+            255 => scaled(&before[odd], gain),
+            share => scaled(&before[odd], 1.0 + (gain - 1.0) * (f64::from(share) / 255.0)),
+        }),
     }
 }
 
@@ -107,7 +103,7 @@ fn multiplied(before: &[Vector], shares: &Shares, gain: f64) -> Option<Vec<Vecto
 pub(super) fn plan_equalise(
     surface: &Surface,
     edit: &Equalise,
-) -> Result<Vec<(Level, Vec<Vector>)>, EditError> {
+) -> Result<Vec<(Level, Buffer<Vector>)>, EditError> {
     check(surface, edit)?;
     let mut blocks = Vec::new();
     for (level, &gain) in (0..).map(Level).zip(&edit.gains).filter(|(_, gain)| **gain != 1.0) {
@@ -133,7 +129,7 @@ fn check(surface: &Surface, edit: &Equalise) -> Result<(), EditError> {
 #[derive(Debug, Clone)]
 pub struct Equaliser {
     words: Equalise,
-    before: Vec<Vec<Vector>>,
+    before: Vec<Buffer<Vector>>,
     shares: Vec<Shares>,
     /// The finest level that follows the hand.
     reach: Level,
@@ -151,7 +147,7 @@ impl Equaliser {
         let level = |j: usize| Level(j as u8);
         Ok(Self {
             words,
-            before: (0..levels).map(|j| surface.wavelets(level(j)).to_vec()).collect(),
+            before: (0..levels).map(|j| surface.wavelets(level(j)).into()).collect(),
             shares: (0..levels).map(|j| shares(surface, level(j), over)).collect(),
             reach: surface.finest(),
         })
@@ -194,7 +190,7 @@ impl Equaliser {
         let Some(from) = from else { return Ok(Changes::nothing(surface)) };
         for (level, block) in &mut old {
             let now = std::mem::take(block);
-            *block = surface.wavelets(*level).to_vec();
+            *block = surface.wavelets(*level).into();
             surface.put_details(*level, now);
         }
         let changes = surface.synthesise_from(from, reach);
@@ -230,7 +226,7 @@ impl Equaliser {
             }
         };
         let wavelets = differences(
-            self.before.iter().enumerate().map(|(j, before)| (Level(j as u8), before.as_slice())),
+            self.before.iter().enumerate().map(|(j, before)| (Level(j as u8), &before[..])),
             |level| surface.wavelets(level),
         );
         surface.resum(&wavelets);

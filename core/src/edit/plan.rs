@@ -2,7 +2,7 @@
 
 use super::brush_stroke::BrushStroke;
 use super::deltas::Deltas;
-use super::equalise::plan_equalise;
+use super::equalise::{multiplied, plan_equalise};
 use super::follow::Follow;
 use super::hide::plan_hide;
 use super::levels::reshaped;
@@ -11,7 +11,8 @@ use super::pull::{Pull, Pulled};
 use super::stroke::Dab;
 use super::vocabulary::{Edit, Gain, Kind, Move};
 use crate::hierarchy::{Level, Odd, Slot};
-use crate::surface::{LIMIT, NotReshaped, Surface, Vector};
+use crate::memory::Buffer;
+use crate::surface::{NotReshaped, Surface, Vector};
 use thiserror::Error;
 
 /// Why an edit is refused. A refused edit changes nothing.
@@ -111,7 +112,7 @@ pub enum Plan {
     /// Additions to coefficients of several levels.
     Pulled(Deltas),
     /// All of `d^j` anew, for some levels, coarse to fine.
-    Details(Vec<(Level, Vec<Vector>)>),
+    Details(Vec<(Level, Buffer<Vector>)>),
     /// Another hierarchy.
     Levels(Box<Surface>),
     /// Vertices of the finest level that are hidden, or shown again.
@@ -165,12 +166,7 @@ fn plan_gain(surface: &Surface, edit: &Gain) -> Result<Plan, EditError> {
         return Err(EditError::Factor);
     }
     let level = existing_level(surface, Kind::Wavelet, edit.level)?;
-    let scaled = |x: i32| {
-        let x = (f64::from(x) * edit.factor).round();
-        (x.abs() <= f64::from(LIMIT)).then_some(x as i32)
-    };
-    let details: Option<Vec<Vector>> =
-        surface.wavelets(level).iter().map(|d| Some([scaled(d[0])?, scaled(d[1])?, scaled(d[2])?])).collect();
+    let details = multiplied(surface.wavelets(level), &None, edit.factor);
     Ok(Plan::Details(vec![(level, details.ok_or(EditError::BeyondLimit)?)]))
 }
 

@@ -2,6 +2,7 @@
 
 use super::progressive::{Decoded, Held};
 use crate::hierarchy::Hierarchy;
+use crate::memory::Buffer;
 use crate::surface::{Form, LIMIT, Surface, Vector, within_limit};
 use crate::wavelet::Filters;
 use rayon::prelude::*;
@@ -15,7 +16,7 @@ pub(super) fn surface_of(
     decoded: Decoded,
 ) -> Option<Surface> {
     let within = |all: &[Vector]| all.par_iter().all(|v| v.iter().all(|&x| within_limit(x)));
-    let clamp = |all: &mut Vec<Vector>| {
+    let clamp = |all: &mut Buffer<Vector>| {
         all.par_iter_mut().for_each(|v| *v = v.map(|x| x.clamp(-LIMIT, LIMIT)));
     };
     // Looked at before analysis or synthesis, whose sums are exact within the limit only.

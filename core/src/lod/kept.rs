@@ -54,7 +54,7 @@ pub fn keep_largest(surface: &Surface, fraction: f64) -> Kept {
     };
     let dropped: u128 = sizes.iter().filter(|&&size| size < threshold).sum();
     let kept = sizes.iter().filter(|&&size| size >= threshold.max(1)).count();
-    let wavelets = (0..finest)
+    let wavelets: Vec<Vec<Vector>> = (0..finest)
         .map(|j| {
             let keep = |d: &Vector| if size(j, d) >= threshold { *d } else { [0; 3] };
             surface.wavelets(Level(j)).iter().map(keep).collect()

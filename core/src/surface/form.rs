@@ -2,8 +2,8 @@
 
 use super::{DEFAULT_PRECISION, NotPlaceable, Placement, Surface, UpAxis};
 use crate::hierarchy::Hierarchy;
+use crate::memory::Buffer;
 use crate::wavelet::{Scheme, ValenceTooHigh, Wavelet};
-use rayon::prelude::*;
 use thiserror::Error;
 
 /// What a surface is besides connectivity and coefficients.
@@ -85,7 +85,7 @@ impl Surface {
         let mut placement = Placement::around(positions, options.precision)?;
         placement.up = options.up;
         placement.unit.clone_from(&options.unit);
-        let finest = positions.par_iter().map(|&p| placement.to_steps(p)).collect();
+        let finest = Buffer::of(positions.len(), |at| placement.to_steps(positions[at]));
         let FormOptions { scheme, wavelet, precision, .. } = *options;
         Ok(Self::from_finest(hierarchy, Form { scheme, wavelet, precision, placement }, finest)?)
     }

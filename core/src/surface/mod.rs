@@ -31,6 +31,7 @@ pub use placement::{DEFAULT_PRECISION, LIMIT, NotPlaceable, PRECISIONS, Placemen
 pub use reshape::NotReshaped;
 
 use crate::hierarchy::{Hierarchy, Level, Odd, PublicId, Slot};
+use crate::memory::Buffer;
 use crate::mesh::TriangleMesh;
 use crate::wavelet::{Filters, ValenceTooHigh, rows};
 use bounds::BoundsTree;
@@ -50,8 +51,8 @@ pub struct Surface {
     hierarchy: Arc<Hierarchy>,
     filters: Arc<Filters>,
     form: Form,
-    scaling: Vec<Vec<Vector>>,
-    wavelets: Vec<Vec<Vector>>,
+    scaling: Vec<Buffer<Vector>>,
+    wavelets: Vec<Buffer<Vector>>,
     header: Arc<Vec<u8>>,
     sum: CoefficientSum,
     marks: [Marks; 2],
@@ -70,10 +71,10 @@ impl Surface {
     pub fn from_finest(
         hierarchy: Hierarchy,
         form: Form,
-        finest: Vec<Vector>,
+        finest: impl Into<Buffer<Vector>>,
     ) -> Result<Self, ValenceTooHigh> {
         let filters = Filters::new(&hierarchy, form.wavelet)?;
-        Ok(Self::finest_with_filters(hierarchy, filters, form, finest))
+        Ok(Self::finest_with_filters(hierarchy, filters, form, finest.into()))
     }
 
     /// [`Surface::from_finest`] with weights that were solved before.
@@ -81,7 +82,7 @@ impl Surface {
         hierarchy: Hierarchy,
         filters: Filters,
         form: Form,
-        finest: Vec<Vector>,
+        finest: Buffer<Vector>,
     ) -> Self {
         assert_eq!(finest.len(), hierarchy.layout(hierarchy.finest()).len() as usize);
         let mut scaling = vec![finest];
@@ -107,11 +108,12 @@ impl Surface {
     pub fn from_coefficients(
         hierarchy: Hierarchy,
         form: Form,
-        coarsest: Vec<Vector>,
-        wavelets: Vec<Vec<Vector>>,
+        coarsest: impl Into<Buffer<Vector>>,
+        wavelets: Vec<impl Into<Buffer<Vector>>>,
     ) -> Result<Self, ValenceTooHigh> {
         let filters = Filters::new(&hierarchy, form.wavelet)?;
-        Ok(Self::with_filters(hierarchy, filters, form, coarsest, wavelets))
+        let wavelets = wavelets.into_iter().map(Into::into).collect();
+        Ok(Self::with_filters(hierarchy, filters, form, coarsest.into(), wavelets))
     }
 
     /// [`Surface::from_coefficients`] with weights that were solved before.
@@ -119,8 +121,8 @@ impl Surface {
         hierarchy: Hierarchy,
         filters: Filters,
         form: Form,
-        coarsest: Vec<Vector>,
-        wavelets: Vec<Vec<Vector>>,
+        coarsest: Buffer<Vector>,
+        wavelets: Vec<Buffer<Vector>>,
     ) -> Self {
         assert_eq!(coarsest.len(), hierarchy.layout(Level::BASE).len() as usize);
         assert_eq!(wavelets.len(), hierarchy.finest().index());
@@ -137,8 +139,8 @@ impl Surface {
         hierarchy: Hierarchy,
         filters: Filters,
         form: Form,
-        scaling: Vec<Vec<Vector>>,
-        wavelets: Vec<Vec<Vector>>,
+        scaling: Vec<Buffer<Vector>>,
+        wavelets: Vec<Buffer<Vector>>,
     ) -> Self {
         let mut surface = Self {
             header: Arc::new(header_bytes(&hierarchy, &form)),
@@ -250,16 +252,15 @@ impl Surface {
 
     /// Whether every coordinate and coefficient is within the limit. `O(n_J)`.
     pub fn is_within_limit(&self) -> bool {
-        let within = |values: &Vec<Vector>| values.par_iter().all(|v| v.iter().all(|x| within_limit(*x)));
+        let within = |values: &Buffer<Vector>| values.par_iter().all(|v| v.iter().all(|x| within_limit(*x)));
         self.scaling.iter().chain(&self.wavelets).all(within)
     }
 
     /// The surface with coefficients beyond the limit moved to it; positions follow and may lie beyond. `O(n_J)`.
     pub(crate) fn with_coefficients_clamped(&self) -> Self {
-        let clamped = |all: &Vec<Vector>| {
-            all.iter().map(|v| v.map(|x| x.clamp(-LIMIT, LIMIT))).collect::<Vec<Vector>>()
-        };
-        let details = self.wavelets.iter().map(clamped).collect();
+        let clamped =
+            |all: &Buffer<Vector>| Buffer::of(all.len(), |at| all[at].map(|x| x.clamp(-LIMIT, LIMIT)));
+        let details: Vec<Buffer<Vector>> = self.wavelets.iter().map(clamped).collect();
         let hierarchy = self.hierarchy.as_ref().clone();
         Self::from_coefficients(hierarchy, self.form.clone(), clamped(&self.scaling[0]), details)
             .expect("its weights were solved before")

@@ -3,8 +3,9 @@
 //! Positions stay where they are, but for levels that are taken away; coefficients follow by analysis, which is exact, so
 //! each change is undone by its counterpart, to the bit.
 
-use super::{Mask, Surface, Vector};
+use super::{Mask, Surface};
 use crate::hierarchy::{BaseMesh, Hierarchy, Layout, Level, MOST_VERTICES, Site, Slot, Subtriangle};
+use crate::memory::Buffer;
 use crate::wavelet::{Filters, ValenceTooHigh};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -47,7 +48,7 @@ impl Surface {
     fn lengthened(&self, hierarchy: Hierarchy, filters: Filters) -> Self {
         let mut wavelets = self.wavelets.clone();
         for j in self.finest().0..hierarchy.finest().0 {
-            wavelets.push(vec![[0; 3]; hierarchy.layout(Level(j)).odd_len() as usize]);
+            wavelets.push(Buffer::zeroed(hierarchy.layout(Level(j)).odd_len() as usize));
         }
         let mut mask = self.mask.clone();
         for j in self.finest().0..hierarchy.finest().0 {
@@ -80,7 +81,7 @@ impl Surface {
         let hierarchy = Hierarchy::new(Arc::new(base), rest).ok_or(NotReshaped::TooLarge)?;
         let places = places(&self.hierarchy, level, &hierarchy);
         let finest = self.scaling(self.finest());
-        let positions = places.par_iter().map(|&at| finest[at as usize]).collect();
+        let positions = Buffer::of(places.len(), |slot| finest[places[slot] as usize]);
         let mut surface = Self::from_finest(hierarchy, self.form.clone(), positions)?;
         surface.mask = self.mask.taken(&places);
         Ok(surface)
@@ -92,7 +93,7 @@ impl Surface {
         let mut back = vec![0; places.len()];
         places.iter().zip(0..).for_each(|(&place, slot)| back[place as usize] = slot);
         let finest = self.scaling(self.finest());
-        let positions: Vec<Vector> = back.par_iter().map(|&at| finest[at as usize]).collect();
+        let positions = Buffer::of(back.len(), |slot| finest[back[slot] as usize]);
         let mut surface = Self::from_finest(hierarchy.clone(), self.form.clone(), positions)
             .expect("it had this base mesh before");
         surface.mask = self.mask.taken(&back);

@@ -3,8 +3,9 @@
 use super::digest::CoefficientSum;
 use super::{Changes, Moved, Surface, Vector};
 use crate::hierarchy::{Level, Odd};
+use crate::memory::Buffer;
 use crate::wavelet::lifting::{minus, plus};
-use crate::wavelet::rows::synthesise_level;
+use crate::wavelet::rows::{Instructions, synthesise_level_into};
 use rayon::prelude::*;
 
 /// From one changed coefficient in so many finest vertices on, whole levels are cheaper than supports.
@@ -43,7 +44,7 @@ impl Surface {
     ///
     /// # Panics
     /// If the block does not have the level's length.
-    pub(crate) fn put_details(&mut self, level: Level, details: Vec<Vector>) {
+    pub(crate) fn put_details(&mut self, level: Level, details: Buffer<Vector>) {
         assert_eq!(details.len(), self.wavelets[level.index()].len());
         self.wavelets[level.index()] = details;
     }
@@ -59,9 +60,10 @@ impl Surface {
     fn resynthesise(&mut self, level: Level, reach: Level) -> Changes {
         let mut changes = Changes::nothing(self);
         for j in level.0..reach.0 {
-            let (scaling, wavelets) = (&self.scaling[usize::from(j)], &self.wavelets[usize::from(j)]);
-            self.scaling[usize::from(j) + 1] =
-                synthesise_level(&self.hierarchy, &self.filters, Level(j), scaling, wavelets);
+            let (coarser, finer) = self.scaling.split_at_mut(usize::from(j) + 1);
+            let known = (&coarser[usize::from(j)][..], &self.wavelets[usize::from(j)][..]);
+            let (hierarchy, filters) = (&self.hierarchy, &self.filters);
+            synthesise_level_into(hierarchy, filters, Level(j), Instructions::Detected, known, &mut finer[0]);
             changes.moved[usize::from(j) + 1] = Moved::Everything;
         }
         changes.beyond_limit |= !within(&self.scaling[level.index()..=reach.index()]);
@@ -90,7 +92,7 @@ impl Surface {
     /// normalisation in which levels can be compared. `O(n_J)`.
     pub fn spectrum(&self) -> Vec<f64> {
         let step = self.form().placement.step;
-        let energy = |(j, details): (usize, &Vec<Vector>)| {
+        let energy = |(j, details): (usize, &Buffer<Vector>)| {
             // Sums of squares of integers, so that threads cannot matter.
             let sum: u128 = details
                 .par_iter()
@@ -103,7 +105,8 @@ impl Surface {
     }
 }
 
-fn within(blocks: &[Vec<Vector>]) -> bool {
-    let within = |values: &Vec<Vector>| values.par_iter().all(|v| v.iter().all(|&x| super::within_limit(x)));
+fn within(blocks: &[Buffer<Vector>]) -> bool {
+    let within =
+        |values: &Buffer<Vector>| values.par_iter().all(|v| v.iter().all(|&x| super::within_limit(x)));
     blocks.iter().all(within)
 }

@@ -54,7 +54,7 @@ pub(crate) fn surface(mesh: &TriangleMesh, wavelet: Wavelet, sharp: usize, fines
     let mut numbers = Numbers(seed);
     let count = hierarchy.layout(Level(finest)).len();
     let mut coordinate = || (numbers.bits() >> 39) as i32 - (1 << 24);
-    let positions = (0..count).map(|_| std::array::from_fn(|_| coordinate())).collect();
+    let positions: Vec<Vector> = (0..count).map(|_| std::array::from_fn(|_| coordinate())).collect();
     let placement = Placement {
         origin: [0.1, -7.3, 1e3],
         step: 1.1 / f64::from(1 << 24),

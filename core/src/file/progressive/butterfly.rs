@@ -11,6 +11,7 @@
 //! 2^32, exact within [`crate::surface::LIMIT`].
 
 use crate::hierarchy::{BaseMesh, Hierarchy, Layout, Level, row_slots};
+use crate::memory::Buffer;
 use crate::surface::Vector;
 use crate::wavelet::lifting::{minus, plus};
 use rayon::prelude::*;
@@ -36,10 +37,10 @@ pub(super) fn bends(
     level: Level,
     positions: &[Vector],
     curves: Curves,
-) -> Vec<Vector> {
+) -> Buffer<Vector> {
     let coarse = hierarchy.layout(level);
     let n = coarse.segments() as usize;
-    let mut bends = vec![[0; 3]; coarse.odd_len() as usize];
+    let mut bends = Buffer::zeroed(coarse.odd_len() as usize);
     let (on_edges, mut rest) = bends.split_at_mut(n * coarse.base().edges().len());
     let inside = (0..coarse.base().faces().len())
         .map(|_| rest.split_off_mut(..3 * n * (n - 1) / 2).expect("every face has as many"))
@@ -345,7 +346,7 @@ mod tests {
                     for curves in [Curves::Kept, Curves::Ignored] {
                         let found = bends(&hierarchy, level, &positions, curves);
                         let wanted = plainly(&hierarchy, level, &positions, curves);
-                        assert!(found == wanted, "{name}, {sharp} sharp, level {}, {curves:?}", level.0);
+                        assert!(found[..] == wanted, "{name}, {sharp} sharp, level {}, {curves:?}", level.0);
                     }
                 }
             }

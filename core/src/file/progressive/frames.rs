@@ -6,20 +6,24 @@
 
 use super::visit::of_odds_by_face;
 use crate::hierarchy::{Hierarchy, Layout, Level, for_each_triangle_of_face};
+use crate::memory::Buffer;
 use crate::surface::Vector;
+use bytemuck::{Pod, Zeroable};
 
 /// Bits of a slope's fraction.
 const BITS: u32 = 14;
 
 /// The frame of one odd vertex.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct Frame {
     /// `n_b / n_a` and `n_c / n_a`, where b and c follow a.
     slopes: [i16; 2],
     /// `n_a n_b` and `n_a n_c` for the unit normal.
     shares: [i16; 2],
     axis: u8,
-    reversed: bool,
+    /// 0 or 1.
+    reversed: u8,
 }
 
 impl Frame {
@@ -39,7 +43,7 @@ impl Frame {
             slopes: slopes.map(|x| x as i16),
             shares: shares.map(|x| x as i16),
             axis: axis as u8,
-            reversed: a < 0,
+            reversed: u8::from(a < 0),
         }
     }
 
@@ -60,13 +64,13 @@ impl Frame {
         let [a, b, c] = [0, 1, 2].map(|k| d[(usize::from(self.axis) + k) % 3]);
         let normal = a.wrapping_add(self.along(b, c));
         let tangential = [b.wrapping_sub(self.share(0, normal)), c.wrapping_sub(self.share(1, normal))];
-        [if self.reversed { normal.wrapping_neg() } else { normal }, tangential[0], tangential[1]]
+        [if self.reversed == 1 { normal.wrapping_neg() } else { normal }, tangential[0], tangential[1]]
     }
 
     /// The way back, exactly.
     #[inline]
     pub(super) fn turn_back(self, local: Vector) -> Vector {
-        let normal = if self.reversed { local[0].wrapping_neg() } else { local[0] };
+        let normal = if self.reversed == 1 { local[0].wrapping_neg() } else { local[0] };
         let b = local[1].wrapping_add(self.share(0, normal));
         let c = local[2].wrapping_add(self.share(1, normal));
         let mut d = [0; 3];
@@ -88,7 +92,7 @@ fn quotient(x: i64, y: i64) -> i64 {
 /// The frames of the odd vertices of a level, from positions of its vertices by slot: each about the sum of its parents'
 /// normals. A vertex's normal is the sum of `(b − a) × (c − a)` over its faces, modulo 2^64. `O(n_j)`; of the normals only those
 /// on base edges and of a base face at a time are kept.
-pub(super) fn frames(hierarchy: &Hierarchy, level: Level, positions: &[Vector]) -> Vec<Frame> {
+pub(super) fn frames(hierarchy: &Hierarchy, level: Level, positions: &[Vector]) -> Buffer<Frame> {
     let layout = hierarchy.layout(level);
     let borders = layout.row(0, 1).index();
     let mut on_borders = vec![[0i64; 3]; borders];
@@ -180,11 +184,11 @@ mod tests {
                         .into_iter()
                         .for_each(|slot| add(&mut normals[slot as usize], cross(&positions, corners)));
                 }
-                for (odd, frame) in (0..).zip(frames(&hierarchy, level, &positions)) {
+                for (odd, frame) in (0..).zip(frames(&hierarchy, level, &positions).iter()) {
                     let parents = layout.parents(layout.odd_site(Odd(odd)));
                     let [u, w] = parents.map(|p| normals[layout.slot(p).index()]);
                     let sum = [0, 1, 2].map(|c| u[c].wrapping_add(w[c]));
-                    assert_eq!(frame, Frame::about(sum), "{name}, level {level}, {odd}");
+                    assert_eq!(*frame, Frame::about(sum), "{name}, level {level}, {odd}");
                 }
             }
         }

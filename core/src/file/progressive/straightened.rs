@@ -3,7 +3,7 @@
 use super::frames::frames;
 use super::transform::{Coding, Transform};
 use crate::hierarchy::{Hierarchy, Level};
-use crate::surface::Vector;
+use crate::memory::Buffer;
 use crate::wavelet::{Filters, ValenceTooHigh, Wavelet};
 
 /// Positions are taken to so many bits of their greatest coordinate.
@@ -39,7 +39,7 @@ impl<'a> Straightened<'a> {
             return positions.to_vec();
         }
         let scale = f64::from(1 << BITS) / greatest;
-        let finest: Vec<Vector> = positions.iter().map(|p| p.map(|x| (x * scale).round() as i32)).collect();
+        let finest = Buffer::of(positions.len(), |at| positions[at].map(|x| (x * scale).round() as i32));
         let Self { hierarchy, filters, coding } = self;
         let transform = Transform { coding: *coding, hierarchy, filters };
         let (base, details) = transform.analyse(&finest);
@@ -47,18 +47,15 @@ impl<'a> Straightened<'a> {
         for (j, details) in (0..).zip(details) {
             let level = Level(j);
             let shift = self.kept(level);
-            let normal: Vec<Vector> = details
-                .iter()
-                .zip(frames(hierarchy, level, &exact))
-                .map(|(&d, frame)| {
-                    let [normal, b, c] = frame.turn(d);
-                    frame.turn_back([normal, shift(b), shift(c)])
-                })
-                .collect();
+            let frames = frames(hierarchy, level, &exact);
+            let normal = Buffer::of(details.len(), |odd| {
+                let [normal, b, c] = frames[odd].turn(details[odd]);
+                frames[odd].turn_back([normal, shift(b), shift(c)])
+            });
             straight = transform.synthesise_level(level, &straight, normal);
             exact = transform.synthesise_level(level, &exact, details);
         }
-        straight.into_iter().map(|p| p.map(|x| f64::from(x) / scale)).collect()
+        straight.iter().map(|p| p.map(|x| f64::from(x) / scale)).collect()
     }
 
     /// What is left of a tangential part.

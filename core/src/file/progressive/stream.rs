@@ -23,6 +23,7 @@ use super::planes::{Block, CLASSES, Level as Planes, Models, code};
 use super::range_coder::{Coder, Decoder, Encoder, Model};
 use super::transform::{Coded, Coding, Transform};
 use crate::hierarchy::{Hierarchy, Level};
+use crate::memory::Buffer;
 use crate::surface::{Surface, Vector};
 use crate::wavelet::Filters;
 use rayon::prelude::*;
@@ -49,7 +50,7 @@ struct State<'a> {
     finishing: finish::Models,
     order: OrderModels,
     /// The positions of a level, as long as nothing coarser has changed.
-    synthesised: Option<(usize, Vec<Vector>)>,
+    synthesised: Option<(usize, Buffer<Vector>)>,
     /// The level that a reader has begun last, if its frames are still to be made: they are not needed to read its first
     /// block, so another thread can make them meanwhile.
     frameless: Option<usize>,
@@ -135,9 +136,9 @@ impl State<'_> {
             return;
         }
         for (j, details) in self.levels[..level].iter_mut().enumerate() {
-            details.frames = Vec::new();
+            details.frames = Buffer::default();
             if j + 1 < level {
-                details.known = Vec::new();
+                details.known = Buffer::default();
             }
         }
     }
@@ -148,8 +149,8 @@ impl State<'_> {
         self.positions(last);
         self.let_go(last);
         if self.transform.bends() && self.levels[last].known.is_empty() {
-            self.levels[last].frames = Vec::new();
-            self.levels[..last].iter_mut().for_each(|details| details.known = Vec::new());
+            self.levels[last].frames = Buffer::default();
+            self.levels[..last].iter_mut().for_each(|details| details.known = Buffer::default());
         }
     }
 
@@ -158,7 +159,7 @@ impl State<'_> {
         self.synthesised.take_if(|(kept, _)| level.is_none_or(|level| level < *kept));
     }
 
-    fn synthesise(&self, level: usize) -> Vec<Vector> {
+    fn synthesise(&self, level: usize) -> Buffer<Vector> {
         self.below(level).positions()
     }
 
@@ -213,7 +214,7 @@ impl State<'_> {
         if C::WRITES {
             self.make_frames();
             let frames = &self.levels[j].frames;
-            truth.local[j].par_iter_mut().zip(frames).for_each(|(d, frame)| *d = frame.turn(*d));
+            truth.local[j].par_iter_mut().zip(&frames[..]).for_each(|(d, frame)| *d = frame.turn(*d));
         }
         let details = &mut self.levels[j];
         for class in 0..2 {
@@ -246,16 +247,16 @@ impl State<'_> {
     fn finish<C: Coder>(&mut self, coder: &mut C, j: usize, truth: &[Vector], after: After) -> bool {
         let (coarse, fine) =
             (self.hierarchy.layout(Level(j as u8)), self.hierarchy.layout(Level(j as u8 + 1)));
-        let predicted = if self.transform.bends() { Vec::new() } else { self.predicted(j) };
+        let predicted = if self.transform.bends() { Buffer::default() } else { self.predicted(j) };
         if after == After::Nothing {
             self.synthesised = None;
         }
         let done = self.on_level(j, |_, models, details, below| {
             match after {
-                After::Nothing => details.frames = Vec::new(),
+                After::Nothing => details.frames = Buffer::default(),
                 After::More => details.hold_all(fine),
             }
-            details.residuals = vec![[0; 3]; fine.len() as usize];
+            details.residuals = Buffer::zeroed(fine.len() as usize);
             let mut parts = finish::Parts {
                 coarse,
                 fine,
@@ -272,20 +273,20 @@ impl State<'_> {
             stopped.is_none()
         });
         if let Some(coarser) = j.checked_sub(1) {
-            self.levels[coarser].residuals = Vec::new();
+            self.levels[coarser].residuals = Buffer::default();
         }
         self.changed(Some(j));
         done
     }
 
     /// What a smooth surface through the positions known of `M^j` has for the components of its odd vertices.
-    fn predicted(&mut self, j: usize) -> Vec<Vector> {
+    fn predicted(&mut self, j: usize) -> Buffer<Vector> {
         self.make_frames();
         let hierarchy = self.hierarchy;
         let mut predicted = bends(hierarchy, Level(j as u8), self.positions(j), Curves::Ignored);
         predicted
             .par_iter_mut()
-            .zip(&self.levels[j].frames)
+            .zip(&self.levels[j].frames[..])
             .for_each(|(bend, frame)| *bend = frame.turn(*bend));
         predicted
     }
@@ -294,9 +295,9 @@ impl State<'_> {
 /// What is to be written, as the stream holds it.
 #[derive(Default)]
 struct Truth {
-    base: Vec<Vector>,
+    base: Buffer<Vector>,
     /// By level and odd vertex, in the level's frames; filled in as levels begin, before that as `d^j` is.
-    local: Vec<Vec<Vector>>,
+    local: Vec<Buffer<Vector>>,
 }
 
 /// How many planes a class of a level has.
@@ -353,7 +354,7 @@ impl State<'_> {
                 !coder.is_exhausted()
             }
             Step::Refine(j, class) => {
-                let of_level = if C::WRITES { truth.local[j].as_slice() } else { &[] };
+                let of_level = if C::WRITES { &truth.local[j][..] } else { &[] };
                 let last = C::WRITES && only_level(candidates) == Some(j);
                 let after = if last { After::Nothing } else { After::More };
                 let done = match finish {
@@ -361,7 +362,7 @@ impl State<'_> {
                     false => self.block(coder, j, Block { class, from: plane, to }, of_level),
                 };
                 if C::WRITES && self.levels[j].is_whole() {
-                    truth.local[j] = Vec::new();
+                    truth.local[j] = Buffer::default();
                 }
                 done
             }
@@ -376,7 +377,7 @@ pub(in crate::file) fn encode_stream(surface: &Surface, granularity: Granularity
     let filters = filters.as_ref().unwrap_or_else(|| surface.filters());
     let transform = Transform { coding, hierarchy, filters };
     let mut truth = Truth { base, local };
-    let last_plane = last_plane(truth.local.last());
+    let last_plane = last_plane(truth.local.last().map(|details| &details[..]));
     let mut state = State::new(transform);
     state.base_plane =
         if finest == Level::BASE { 0 } else { u32::from(surface.form().precision).saturating_sub(6) };
@@ -428,9 +429,9 @@ pub(in crate::file) struct Decoded {
 /// A surface as a stream tells it.
 pub(in crate::file) enum Held {
     /// `c^0` and each `d^j`.
-    Coefficients(Vec<Vector>, Vec<Vec<Vector>>),
+    Coefficients(Buffer<Vector>, Vec<Buffer<Vector>>),
     /// `c^J`.
-    Finest(Vec<Vector>),
+    Finest(Buffer<Vector>),
 }
 
 /// Reads a stream as far as it goes, in the given transform. `None` if the base positions are not all there. `O(n_J)` for
@@ -456,10 +457,10 @@ pub(in crate::file) fn decode_stream(
         }
     };
     // Read no more, and as large as the positions.
-    state.levels.iter_mut().for_each(|details| details.residuals = Vec::new());
+    state.levels.iter_mut().for_each(|details| details.residuals = Buffer::default());
     let held = match coding {
         Coding::Own => Held::Coefficients(
-            state.below(0).base.middles(),
+            state.below(0).positions(),
             (0..).zip(&state.levels).map(|(j, d)| d.coefficients(hierarchy, Level(j))).collect(),
         ),
         _ => Held::Finest(state.synthesise(state.levels.len())),

@@ -6,11 +6,11 @@
 
 use super::butterfly::{Curves, by_rows};
 use crate::hierarchy::{Hierarchy, Layout, Level};
+use crate::memory::Buffer;
 use crate::surface::{Surface, Vector};
 use crate::wavelet::lifting::{minus, plus};
 use crate::wavelet::{Filters, ValenceTooHigh, Wavelet, rows};
 use rayon::prelude::*;
-use std::borrow::Cow;
 
 /// Transforms are compared by what coefficients have above this many bits of the surface's half extent: about the detail
 /// of 75 dB.
@@ -69,9 +69,9 @@ pub(super) struct Coded {
     /// The weights of its update; `None` for the surface's.
     pub(super) filters: Option<Filters>,
     /// `c^0`.
-    pub(super) base: Vec<Vector>,
+    pub(super) base: Buffer<Vector>,
     /// Each `d^j`.
-    pub(super) details: Vec<Vec<Vector>>,
+    pub(super) details: Vec<Buffer<Vector>>,
 }
 
 impl Coded {
@@ -95,8 +95,8 @@ impl Coded {
         if own.clone().map(bits).sum::<u64>() >= smooth {
             return Self { coding, filters: others, base, details };
         }
-        let base = surface.scaling(Level::BASE).to_vec();
-        Self { coding: Coding::Own, filters: None, base, details: own.map(<[Vector]>::to_vec).collect() }
+        let base = surface.scaling(Level::BASE).into();
+        Self { coding: Coding::Own, filters: None, base, details: own.map(Into::into).collect() }
     }
 }
 
@@ -115,17 +115,17 @@ impl Transform<'_> {
     }
 
     /// One level of analysis: `c^{j+1}` to `d^j` and `c^j`. `O(n_{j+1})`.
-    pub(super) fn analyse_level(self, level: Level, finer: &[Vector]) -> (Vec<Vector>, Vec<Vector>) {
+    pub(super) fn analyse_level(self, level: Level, finer: &[Vector]) -> (Buffer<Vector>, Buffer<Vector>) {
         if !self.bends() {
             return rows::analyse_level(self.hierarchy, self.filters, level, finer);
         }
-        let mut straight = finer.to_vec();
+        let mut straight = Buffer::from(finer);
         self.add_bends(level, (&self.evens(level, finer), &mut straight), minus);
         rows::analyse_level(self.hierarchy, self.filters, level, &straight)
     }
 
     /// One level of synthesis without details: the bits that details of zero give. `O(n_{j+1})`.
-    pub(super) fn subdivide(self, level: Level, coarser: &[Vector]) -> Vec<Vector> {
+    pub(super) fn subdivide(self, level: Level, coarser: &[Vector]) -> Buffer<Vector> {
         let mut finer = rows::subdivide(self.hierarchy, level, coarser);
         if self.bends() {
             // The even vertices are those of the coarser level.
@@ -139,8 +139,8 @@ impl Transform<'_> {
         self,
         level: Level,
         coarser: &[Vector],
-        details: Vec<Vector>,
-    ) -> Vec<Vector> {
+        details: Buffer<Vector>,
+    ) -> Buffer<Vector> {
         let mut finer = rows::synthesise_level(self.hierarchy, self.filters, level, coarser, &details);
         // Before there are bends, which are as large.
         drop(details);
@@ -152,19 +152,19 @@ impl Transform<'_> {
     }
 
     /// All levels of analysis: `c^J` to `c^0` and each `d^j`. `O(n_J)`.
-    pub(super) fn analyse(self, finest: &[Vector]) -> (Vec<Vector>, Vec<Vec<Vector>>) {
-        let (mut positions, mut details) = (Cow::Borrowed(finest), Vec::new());
+    pub(super) fn analyse(self, finest: &[Vector]) -> (Buffer<Vector>, Vec<Buffer<Vector>>) {
+        let (mut positions, mut details) = (None::<Buffer<Vector>>, Vec::new());
         for j in (0..self.hierarchy.finest().0).rev() {
-            let (d, coarser) = self.analyse_level(Level(j), &positions);
+            let (d, coarser) = self.analyse_level(Level(j), positions.as_deref().unwrap_or(finest));
             details.push(d);
-            positions = Cow::Owned(coarser);
+            positions = Some(coarser);
         }
         details.reverse();
-        (positions.into_owned(), details)
+        (positions.unwrap_or_else(|| finest.into()), details)
     }
 
     /// The even vertices of `M^{j+1}`, by slot of `M^j`.
-    fn evens(self, level: Level, finer: &[Vector]) -> Vec<Vector> {
+    fn evens(self, level: Level, finer: &[Vector]) -> Buffer<Vector> {
         evens(self.hierarchy.layout(level), self.hierarchy.layout(level.finer()), finer)
     }
 
@@ -196,9 +196,9 @@ impl Transform<'_> {
 }
 
 /// The even vertices of `M^{j+1}`, by slot of `M^j`.
-fn evens(coarse: &Layout, fine: &Layout, finer: &[Vector]) -> Vec<Vector> {
+fn evens(coarse: &Layout, fine: &Layout, finer: &[Vector]) -> Buffer<Vector> {
     let (base, n) = (coarse.base(), coarse.segments());
-    let mut evens = vec![[0; 3]; coarse.len() as usize];
+    let mut evens = Buffer::zeroed(coarse.len() as usize);
     let corners = base.vertex_count() as usize;
     evens[..corners].copy_from_slice(&finer[..corners]);
     if n == 1 {
@@ -262,7 +262,7 @@ mod tests {
                         let finer = numbers(count, bits, 7);
                         let (details, coarser) = transform.analyse_level(Level(j), &finer);
                         let again = transform.synthesise_level(Level(j), &coarser, details.clone());
-                        assert!(again == finer, "{name}, {coding:?}, level {j}, {bits} bits");
+                        assert!(again[..] == finer, "{name}, {coding:?}, level {j}, {bits} bits");
                     }
                 }
             }
@@ -281,7 +281,7 @@ mod tests {
                 let wanted: Vec<Vector> = (0..coarse.len())
                     .map(|v| finer[fine.slot(Layout::refine(coarse.site(Slot(v)))).index()])
                     .collect();
-                assert!(evens(coarse, fine, &finer) == wanted, "{name}, level {j}");
+                assert!(evens(coarse, fine, &finer)[..] == wanted, "{name}, level {j}");
             }
         }
     }

@@ -1,6 +1,8 @@
 //! Every odd vertex of a level with what lies around it, by rising id.
 
 use crate::hierarchy::{Layout, Site, row_slots};
+use crate::memory::Buffer;
+use bytemuck::Pod;
 use rayon::prelude::*;
 use std::convert::Infallible;
 
@@ -55,22 +57,22 @@ pub(super) fn visit(
 
 /// A value for each odd vertex of a level, by its slot in `M^{j+1}` and its parents' in `M^j`. `O(n_{j+1})`, in parallel over
 /// base faces.
-pub(super) fn of_odds<T: Clone + Default + Send>(
+pub(super) fn of_odds<T: Pod + Send + Sync>(
     coarse: &Layout,
     fine: &Layout,
     make: impl Fn(u32, u32, [u32; 2]) -> T + Sync,
-) -> Vec<T> {
+) -> Buffer<T> {
     of_odds_by_face(coarse, fine, |_, &mut ()| (), |&(), odd, slot, parents| make(odd, slot, parents))
 }
 
 /// [`of_odds`] with something prepared for each base face before its odd vertices are asked for; for those on edges nothing is.
-pub(super) fn of_odds_by_face<T: Clone + Default + Send, P: Default>(
+pub(super) fn of_odds_by_face<T: Pod + Send + Sync, P: Default>(
     coarse: &Layout,
     fine: &Layout,
     prepare: impl Fn(u32, &mut P) + Sync,
     make: impl Fn(&P, u32, u32, [u32; 2]) -> T + Sync,
-) -> Vec<T> {
-    let mut values = vec![T::default(); coarse.odd_len() as usize];
+) -> Buffer<T> {
+    let mut values = Buffer::zeroed(coarse.odd_len() as usize);
     let n = coarse.segments() as usize;
     let (on_edges, inside) = values.split_at_mut(n * coarse.base().edges().len());
     on_edges.par_chunks_mut(n).enumerate().with_min_len(1024 / n + 1).for_each(|(edge, values)| {
@@ -210,10 +212,10 @@ mod tests {
                     Ok(())
                 });
                 assert!(end.is_ok() && visited == wanted, "{name}, level {j}");
-                let made = of_odds(coarse, fine, |odd, slot, parents| (odd, slot, sorted(parents)));
-                let wanted: Vec<(u32, u32, [u32; 2])> =
-                    (0..).zip(wanted).map(|(odd, (slot, _, parents))| (odd, slot, parents)).collect();
-                assert!(made == wanted, "{name}, level {j}");
+                let made = of_odds(coarse, fine, |odd, slot, parents| [[odd, slot], sorted(parents)]);
+                let wanted: Vec<[[u32; 2]; 2]> =
+                    (0..).zip(wanted).map(|(odd, (slot, _, parents))| [[odd, slot], parents]).collect();
+                assert!(made[..] == wanted, "{name}, level {j}");
             }
         }
     }

@@ -11,7 +11,7 @@ fn ball() -> Surface {
     let base = BaseMesh::new(6, mesh.faces, &[]).expect("a base mesh");
     let hierarchy = Hierarchy::new(Arc::new(base), Level(4)).expect("small");
     let count = hierarchy.layout(Level(4)).len() as i32;
-    let positions = (0..count).map(|v| [v * 1000, -700 * v, (v * v) % 4001]).collect();
+    let positions: Vec<[i32; 3]> = (0..count).map(|v| [v * 1000, -700 * v, (v * v) % 4001]).collect();
     let placement =
         Placement { origin: [0.0; 3], step: 1.0 / f64::from(1 << 20), up: UpAxis::Y, unit: String::new() };
     let form = Form { scheme: Scheme::Linear, wavelet: Wavelet::Disc(1), precision: 20, placement };

@@ -29,6 +29,7 @@ use super::lifting::{self, minus, plus, rounded};
 use super::regularity::{is_coarse, is_regular, regular_run};
 use super::{Filters, Wavelet};
 use crate::hierarchy::{Hierarchy, Layout, Level, Site, Slot};
+use crate::memory::Buffer;
 use analysis::Output;
 use border::Border;
 use chart::Chart;
@@ -241,11 +242,11 @@ pub fn analyse_level<const N: usize>(
     filters: &Filters,
     level: Level,
     finer: &[[i32; N]],
-) -> (Vec<[i32; N]>, Vec<[i32; N]>) {
+) -> (Buffer<[i32; N]>, Buffer<[i32; N]>) {
     let coarse = hierarchy.layout(level);
-    let mut details = vec![[0; N]; coarse.odd_len() as usize];
-    let mut coarser = vec![[0; N]; coarse.len() as usize];
-    let output = (details.as_mut_slice(), coarser.as_mut_slice());
+    let mut details = Buffer::zeroed(coarse.odd_len() as usize);
+    let mut coarser = Buffer::zeroed(coarse.len() as usize);
+    let output = (&mut details[..], &mut coarser[..]);
     analyse_level_into(hierarchy, filters, level, Instructions::Detected, finer, output);
     (details, coarser)
 }
@@ -257,15 +258,19 @@ pub fn synthesise_level<const N: usize>(
     level: Level,
     coarser: &[[i32; N]],
     details: &[[i32; N]],
-) -> Vec<[i32; N]> {
-    let mut finer = vec![[0; N]; hierarchy.layout(level.finer()).len() as usize];
+) -> Buffer<[i32; N]> {
+    let mut finer = Buffer::zeroed(hierarchy.layout(level.finer()).len() as usize);
     synthesise_level_into(hierarchy, filters, level, Instructions::Detected, (coarser, details), &mut finer);
     finer
 }
 
 /// One level of synthesis without details, into new storage: the bits that details of zero give. `O(n_{j+1})`.
-pub fn subdivide<const N: usize>(hierarchy: &Hierarchy, level: Level, coarser: &[[i32; N]]) -> Vec<[i32; N]> {
-    let mut finer = vec![[0; N]; hierarchy.layout(level.finer()).len() as usize];
+pub fn subdivide<const N: usize>(
+    hierarchy: &Hierarchy,
+    level: Level,
+    coarser: &[[i32; N]],
+) -> Buffer<[i32; N]> {
+    let mut finer = Buffer::zeroed(hierarchy.layout(level.finer()).len() as usize);
     coarse::subdivide(hierarchy.layout(level), coarser, &mut finer);
     finer
 }

@@ -30,8 +30,8 @@ const UNSEEN: u32 = 6;
 
 /// From which plane on the finest level is told level by level: what is there is [`UNSEEN`] and, of magnitudes up to twice
 /// their mean, is told better as it differs from a smooth surface.
-pub(super) fn last_plane(finest: Option<&Vec<Vector>>) -> u32 {
-    let finest = finest.map_or(&[][..], Vec::as_slice);
+pub(super) fn last_plane(finest: Option<&[Vector]>) -> u32 {
+    let finest = finest.unwrap_or_default();
     let sum: u64 = finest.iter().flatten().map(|x| u64::from(x.unsigned_abs())).sum();
     let mean = sum / (3 * finest.len() as u64).max(1);
     UNSEEN.min(65 - mean.leading_zeros())

@@ -6,8 +6,8 @@ use crate::file::progressive::planes::CLASSES;
 use crate::file::progressive::transform::Transform;
 use crate::file::progressive::visit::of_odds;
 use crate::hierarchy::{Hierarchy, Layout, Level};
+use crate::memory::Buffer;
 use crate::surface::Vector;
-use std::borrow::Cow;
 
 /// What of one level is known.
 #[derive(Debug, Default)]
@@ -16,23 +16,23 @@ pub(super) struct Details {
     pub(super) begun: bool,
     /// By slot of `M^{j+1}`: normal part, two tangential parts, without the bits below the plane. Empty while all are zero, and
     /// when they are asked for no more.
-    pub(super) known: Vec<Vector>,
+    pub(super) known: Buffer<Vector>,
     /// By odd vertex.
-    pub(super) frames: Vec<Frame>,
+    pub(super) frames: Buffer<Frame>,
     /// By class.
     pub(super) planes: [u32; 2],
     /// The first odd vertex that is still at other planes, and those.
     pub(super) cut: Option<(u32, [u32; 2])>,
     /// By slot of `M^{j+1}`, how far components are from their predictions. Empty before the level is finished, and when the
     /// next one is.
-    pub(super) residuals: Vec<Vector>,
+    pub(super) residuals: Buffer<Vector>,
 }
 
 impl Details {
     /// Makes room for what will be known.
     pub(super) fn hold_all(&mut self, fine: &Layout) {
         if self.known.is_empty() {
-            self.known = vec![[0; 3]; fine.len() as usize];
+            self.known = Buffer::zeroed(fine.len() as usize);
         }
     }
 
@@ -42,10 +42,10 @@ impl Details {
     }
 
     /// `d^j` as far as it is known.
-    pub(super) fn coefficients(&self, hierarchy: &Hierarchy, level: Level) -> Vec<Vector> {
+    pub(super) fn coefficients(&self, hierarchy: &Hierarchy, level: Level) -> Buffer<Vector> {
         let (coarse, fine) = (hierarchy.layout(level), hierarchy.layout(level.finer()));
         if self.known.is_empty() {
-            return vec![[0; 3]; coarse.odd_len() as usize];
+            return Buffer::zeroed(coarse.odd_len() as usize);
         }
         let whole = self.is_whole();
         of_odds(coarse, fine, |odd, slot, _| {
@@ -82,24 +82,26 @@ pub(super) struct Below<'a> {
     pub(super) transform: Transform<'a>,
     pub(super) base: Known<'a>,
     pub(super) levels: &'a [Details],
-    pub(super) kept: Option<&'a (usize, Vec<Vector>)>,
+    pub(super) kept: Option<&'a (usize, Buffer<Vector>)>,
 }
 
 impl Below<'_> {
-    pub(super) fn positions(&self) -> Vec<Vector> {
-        let (from, mut positions) = match self.kept {
-            Some((kept, positions)) if *kept <= self.levels.len() => (*kept, Cow::Borrowed(positions)),
-            _ => (0, Cow::Owned(self.base.middles())),
-        };
+    pub(super) fn positions(&self) -> Buffer<Vector> {
+        let kept = self.kept.filter(|(kept, _)| *kept <= self.levels.len());
+        let from = kept.map_or(0, |(level, _)| *level);
+        let middles = if kept.is_none() { self.base.middles() } else { Vec::new() };
+        let below: &[Vector] = kept.map_or(&middles, |(_, positions)| positions);
+        let mut positions = None::<Buffer<Vector>>;
         for (j, details) in self.levels.iter().enumerate().skip(from) {
             let (hierarchy, level) = (self.transform.hierarchy, Level(j as u8));
-            positions = Cow::Owned(if details.known.is_empty() {
-                self.transform.subdivide(level, &positions)
+            let coarser = positions.as_deref().unwrap_or(below);
+            positions = Some(if details.known.is_empty() {
+                self.transform.subdivide(level, coarser)
             } else {
                 let details = details.coefficients(hierarchy, level);
-                self.transform.synthesise_level(level, &positions, details)
+                self.transform.synthesise_level(level, coarser, details)
             });
         }
-        positions.into_owned()
+        positions.unwrap_or_else(|| below.into())
     }
 }

@@ -1,0 +1,5 @@
+//! Where large arrays lie.
+
+mod buffer;
+
+pub use buffer::Buffer;
