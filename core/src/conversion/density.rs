@@ -88,13 +88,14 @@ impl Density {
         // Smooth over the size of the faces to come.
         let rounds =
             (FEWEST_ROUNDS * mesh.faces.len() as f64 / faces).clamp(FEWEST_ROUNDS, MOST_ROUNDS) as usize;
+        let corners = corners_of_vertices(mesh);
         for _ in 0..rounds {
             if !go_on() {
                 return Err(Cancelled);
             }
-            bends = spread(mesh, &bends);
-            // The areas are spread with them, so that their ratio stays a mean.
-            areas = spread(mesh, &areas);
+            // The areas are spread with the bends, so that their ratio stays a mean.
+            (bends, areas) =
+                rayon::join(|| spread(mesh, &corners, &bends), || spread(mesh, &corners, &areas));
         }
         let mean = bends.iter().sum::<f64>() / total;
         // The smoothed areas give the mean; the true ones the measure.
@@ -115,10 +116,15 @@ impl Density {
     }
 }
 
-/// Half of each vertex's amount stays, the rest goes to its neighbours in equal parts; the sum is kept.
-fn spread(mesh: &TriangleMesh, amounts: &[f64]) -> Vec<f64> {
-    let mut corners = vec![0u32; amounts.len()];
+/// At how many corners of faces each vertex is.
+fn corners_of_vertices(mesh: &TriangleMesh) -> Vec<u32> {
+    let mut corners = vec![0u32; mesh.positions.len()];
     mesh.faces.iter().flatten().for_each(|&v| corners[v as usize] += 1);
+    corners
+}
+
+/// Half of each vertex's amount stays, the rest goes to its neighbours in equal parts; the sum is kept.
+fn spread(mesh: &TriangleMesh, corners: &[u32], amounts: &[f64]) -> Vec<f64> {
     let mut next: Vec<f64> = amounts.iter().map(|a| a * 0.5).collect();
     for face in &mesh.faces {
         let parts = face.map(|v| amounts[v as usize] * 0.25 / f64::from(corners[v as usize].max(1)));
@@ -167,8 +173,9 @@ impl Density {
                 }
             }
         }
+        let corners = corners_of_vertices(mesh);
         for _ in 0..FOOT {
-            masses = spread(mesh, &masses);
+            masses = spread(mesh, &corners, &masses);
         }
         for (((at, own), area), mass) in self.at.iter_mut().zip(&self.own).zip(&self.areas).zip(masses) {
             *at = own + if *area > 0.0 { mass / area } else { 0.0 };

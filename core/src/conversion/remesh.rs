@@ -24,7 +24,9 @@ use super::thin::thin;
 use super::walk::Ground;
 use super::working_mesh::WorkingMesh;
 use crate::hierarchy::{Hierarchy, Level, NotABaseMesh};
-use crate::mesh::{CompareError, CompareOptions, Comparison, Connectivity, TriangleMesh, compare};
+use crate::mesh::{
+    BoundingVolumes, CompareError, CompareOptions, Comparison, Connectivity, TriangleMesh, compare_with,
+};
 use glam::DVec3;
 use std::sync::atomic::{AtomicBool, Ordering};
 use thiserror::Error;
@@ -177,12 +179,14 @@ pub fn remesh(
             Err(RemeshError::TooFine { .. }) if best.is_some() => break,
             made => made?,
         };
-        let positions: Vec<[f64; 3]> = made.positions.iter().map(|&p| frame.to_model(p)).collect();
-        let result = TriangleMesh::new(positions, made.faces);
+        let unit: Vec<[f64; 3]> = made.positions.iter().map(|p| p.to_array()).collect();
+        let result = TriangleMesh::new(unit, made.faces);
         let samples =
             if options.tolerance.is_some() { CLOSE_SAMPLES } else { CompareOptions::default().samples };
         let rules = CompareOptions { samples, ..CompareOptions::default() };
-        let measured = compare(&input, &result, &rules, &|done| progress(Phase::Measure, done))?;
+        let tree = target.as_ref().map(|target: &Target| &*target.tree);
+        let go_on = |done| progress(Phase::Measure, done);
+        let measured = compare_with(&prepared.target, tree, &result, &rules, &go_on)?;
         let looks = target.as_ref().map_or(0, Target::looks);
         let found = Found { measured, turned: made.turned, looks };
         next = attempts.next(made.size, &found, &input, options);
@@ -190,7 +194,7 @@ pub fn remesh(
         if best.as_ref().is_none_or(|best| badness < best.0) {
             let result = Remeshed {
                 hierarchy: made.hierarchy,
-                positions: result.positions,
+                positions: made.positions.iter().map(|&p| frame.to_model(p)).collect(),
                 cleaned: Vec::new(),
                 measured,
                 tolerance_met: options.tolerance.map(|tolerance| measured.max <= tolerance),
@@ -220,6 +224,8 @@ struct Prepared {
     /// Faces of the input.
     faces: usize,
     target: TriangleMesh,
+    /// Of the input, where it was made meanwhile.
+    tree: Option<BoundingVolumes>,
     ground: TriangleMesh,
     connectivity: Connectivity<'static>,
     /// Half of that, where the base mesh is to be symmetric.
@@ -246,7 +252,7 @@ impl Prepared {
                 Some(ringed) => (target, ringed.mesh, ringed.connectivity),
                 None => (target.clone(), target, connectivity),
             };
-            return Ok(Self { faces, target, ground, connectivity, half: None });
+            return Ok(Self { faces, target, tree: None, ground, connectivity, half: None });
         }
         let mut working = working_mesh(&target, &connectivity);
         if !target.sharp_edges.is_empty() {
@@ -256,12 +262,30 @@ impl Prepared {
         ask(&go_on)?;
         let creases = Creases::default();
         let density = Density::new_while(&target, &connectivity, THINNED as f64, &creases, &go_on)?;
-        thin(&mut working, THINNED, &density, &|done| progress(Phase::Simplify, done))?;
+        let mut tree = None;
+        beside(
+            |go_on| tree = BoundingVolumes::build_while(&target, &mut || go_on()).unwrap_or(None),
+            || thin(&mut working, THINNED, &density, &|done| progress(Phase::Simplify, done)),
+        )?;
         let ground = working.compact();
         let connectivity = Connectivity::build(ground.positions.len() as u32, ground.faces.clone())
             .expect("collapses keep a manifold");
-        Ok(Self { faces: target.faces.len(), target, ground, connectivity, half: None })
+        Ok(Self { faces: target.faces.len(), target, tree, ground, connectivity, half: None })
     }
+}
+
+/// Does one thing on another thread while this one is at work, which alone may be asked to stop; both end then.
+fn beside<T>(
+    aside: impl FnOnce(&dyn Fn() -> bool) + Send,
+    work: impl FnOnce() -> Result<T, Cancelled>,
+) -> Result<T, Cancelled> {
+    let stopped = AtomicBool::new(false);
+    rayon::in_place_scope(|scope| {
+        scope.spawn(|_| aside(&|| !stopped.load(Ordering::Relaxed)));
+        let done = work();
+        stopped.store(done.is_err(), Ordering::Relaxed);
+        done
+    })
 }
 
 fn working_mesh(mesh: &TriangleMesh, connectivity: &Connectivity) -> WorkingMesh {
@@ -301,7 +325,7 @@ fn attempt<'m>(
 ) -> Result<Made, RemeshError> {
     let check = |phase| if progress(phase, 0.0) { Ok(()) } else { Err(RemeshError::Cancelled) };
     let Size { base_faces: aim, levels, spacing, closely } = size;
-    let Prepared { faces, target: input, ground, connectivity, half } = prepared;
+    let Prepared { faces, target: input, tree, ground, connectivity, half } = prepared;
     check(Phase::Simplify)?;
     let (whole, connectivity) = match half {
         None => (ground, connectivity),
@@ -322,16 +346,14 @@ fn attempt<'m>(
     };
     let mut map = Parameterisation::new(mesh.faces.len() as u32);
     open_ears(&mut working, &mut map);
-    let stopped = AtomicBool::new(false);
-    rayon::in_place_scope(|scope| {
-        if target.is_none() {
-            scope.spawn(|_| *target = Target::new_while(input, &|| !stopped.load(Ordering::Relaxed)));
-        }
-        let simplified =
-            simplify(&mut working, &mut map, aim / sides, &density, &|done| progress(Phase::Simplify, done));
-        stopped.store(simplified.is_err(), Ordering::Relaxed);
-        simplified
-    })?;
+    beside(
+        |go_on| {
+            if target.is_none() {
+                *target = Target::new_while(input, tree.as_ref(), go_on);
+            }
+        },
+        || simplify(&mut working, &mut map, aim / sides, &density, &|done| progress(Phase::Simplify, done)),
+    )?;
     open_ears(&mut working, &mut map);
     if may_stay
         && prepared.connectivity.genus() >= MANY_HANDLES

@@ -8,6 +8,8 @@ use super::normal_equations::Symmetric;
 use super::pulls::{ALONG, Pull, barycentric};
 use crate::mesh::{AreaSampler, BoundingVolumes, ClosestPointCursor, TriangleMesh};
 use glam::DVec3;
+use rayon::prelude::*;
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Samples of the input for each face of the fitted surface.
@@ -21,7 +23,7 @@ pub(super) const TURNED: f64 = 0.02;
 /// The input, ready for queries.
 pub(super) struct Target<'m> {
     pub(super) mesh: &'m TriangleMesh,
-    pub(super) tree: BoundingVolumes,
+    pub(super) tree: Cow<'m, BoundingVolumes>,
     /// Unit normals of its faces.
     pub(super) normals: Vec<DVec3>,
     pub(super) samples: Vec<DVec3>,
@@ -46,19 +48,26 @@ struct BoundaryCurve {
 impl<'m> Target<'m> {
     /// [`Target::new_while`] to the end.
     pub(super) fn new(mesh: &'m TriangleMesh) -> Option<Self> {
-        Self::new_while(mesh, &|| true)
+        Self::new_while(mesh, None, &|| true)
     }
 
-    /// Prepares the input, without samples yet. `None` without faces, or when `go_on` answered no. Cost: linear, and a
-    /// tree.
-    pub(super) fn new_while(mesh: &'m TriangleMesh, go_on: &dyn Fn() -> bool) -> Option<Self> {
-        let tree = BoundingVolumes::build_while(mesh, &mut || go_on()).ok()??;
+    /// Prepares the input, without samples yet, and its tree if there is none. `None` without faces, or when `go_on`
+    /// answered no. Cost: linear, and a tree.
+    pub(super) fn new_while(
+        mesh: &'m TriangleMesh,
+        tree: Option<&'m BoundingVolumes>,
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<Self> {
+        let tree = match tree {
+            Some(tree) => Cow::Borrowed(tree),
+            None => Cow::Owned(BoundingVolumes::build_while(mesh, &mut || go_on()).ok()??),
+        };
         let corner = |v: u32| DVec3::from(mesh.positions[v as usize]);
         let normal = |f: &[u32; 3]| {
             let [a, b, c] = f.map(corner);
             (b - a).cross(c - a).normalize_or_zero()
         };
-        let normals = mesh.faces.iter().map(normal).collect();
+        let normals = mesh.faces.par_iter().map(normal).collect();
         let whole = Fitted::new(mesh.positions.len(), &mesh.faces);
         let side = |&(f, k): &(u32, usize)| {
             let face = mesh.faces[f as usize];

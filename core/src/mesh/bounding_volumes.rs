@@ -14,6 +14,7 @@ mod wide;
 
 use self::build::Builder;
 use self::wide::{Child, Frame, WideNode, widened};
+use crate::memory::Buffer;
 use glam::DVec3;
 
 use super::triangle_distance::closest_on_triangle;
@@ -35,8 +36,8 @@ pub struct ClosestPoint {
 #[derive(Clone, Debug)]
 pub struct BoundingVolumes {
     frame: Frame,
-    nodes: Vec<WideNode>,
-    corners: Vec<[DVec3; 3]>,
+    nodes: Buffer<WideNode>,
+    corners: Buffer<[DVec3; 3]>,
     faces: Vec<u32>,
     /// For each face its slot among the corners.
     slots: Vec<u32>,
@@ -68,10 +69,10 @@ impl BoundingVolumes {
             builder.triangles.iter().map(|triangle| [triangle.min, triangle.max]).collect();
         let nodes = widened(&binary, &boxes, &frame);
         let faces: Vec<u32> = builder.triangles.iter().map(|triangle| triangle.face).collect();
-        let corners = faces.iter().map(|&face| mesh.corners(FaceIndex(face)).map(DVec3::from)).collect();
+        let corners = Buffer::of(faces.len(), |slot| mesh.corners(FaceIndex(faces[slot])).map(DVec3::from));
         let mut slots = vec![0; faces.len()];
         (0..).zip(&faces).for_each(|(slot, &face)| slots[face as usize] = slot);
-        Ok(Some(Self { frame, nodes, corners, faces, slots }))
+        Ok(Some(Self { frame, nodes: nodes.into(), corners, faces, slots }))
     }
 
     /// Follows the vertices of its mesh to other places: `mesh` has the same faces. The boxes stay as they are nested,

@@ -12,6 +12,7 @@
 
 mod peaks;
 
+use std::borrow::Cow;
 use std::cell::Cell;
 use std::ops::Range;
 
@@ -116,6 +117,17 @@ pub fn compare(
     options: &CompareOptions,
     progress: &dyn Fn(f32) -> bool,
 ) -> Result<Comparison, CompareError> {
+    compare_with(a, None, b, options, progress)
+}
+
+/// [`compare`] with the first mesh's tree, where there is one.
+pub(crate) fn compare_with(
+    a: &TriangleMesh,
+    tree_a: Option<&BoundingVolumes>,
+    b: &TriangleMesh,
+    options: &CompareOptions,
+    progress: &dyn Fn(f32) -> bool,
+) -> Result<Comparison, CompareError> {
     let bounds = a.bounds().ok_or(CompareError::FirstEmpty)?;
     let other_bounds = b.bounds().ok_or(CompareError::SecondEmpty)?;
     let diagonal = bounds.diagonal();
@@ -137,7 +149,10 @@ pub fn compare(
     // One after the other, so that every question is asked on this thread and their number is always the same.
     let build =
         |mesh| BoundingVolumes::build_while(mesh, &mut || progress(0.0)).map_err(|_| CompareError::Cancelled);
-    let tree_a = build(a)?.ok_or(CompareError::FirstEmpty)?;
+    let tree_a = match tree_a {
+        Some(tree) => Cow::Borrowed(tree),
+        None => Cow::Owned(build(a)?.ok_or(CompareError::FirstEmpty)?),
+    };
     let tree_b = build(b)?.ok_or(CompareError::SecondEmpty)?;
     let a_to_b = meter.one_way(a, &tree_b, options.seed)?;
     let b_to_a = meter.one_way(b, &tree_a, options.seed.wrapping_add(1))?;

@@ -12,6 +12,7 @@ mod triangle_mesh;
 pub use bounding_volumes::{Abandoned, BoundingVolumes, ClosestPoint, ClosestPointCursor};
 pub use connectivity::{Connectivity, NotManifold};
 pub use deviation::distances_to;
+pub(crate) use distance::compare_with;
 pub use distance::{CompareError, CompareOptions, Comparison, OneWay, compare};
 pub(crate) use sampling::AreaSampler;
 pub(crate) use triangle_distance::closest_on_triangle;

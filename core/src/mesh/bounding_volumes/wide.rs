@@ -4,6 +4,7 @@
 //! more than the true one by more than [`SLACK`].
 
 use super::build::Node;
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 /// A child that is a triangle; the other bits are its slot.
@@ -16,7 +17,8 @@ const SLACK: f64 = 1e-6;
 const FARTHEST: f64 = 1e15;
 
 /// Up to four boxes and what they hold.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct WideNode {
     min: [[f32; 4]; 3],
     max: [[f32; 4]; 3],
