@@ -1,5 +1,6 @@
 //! Converts meshes at default settings, each a file or all of a folder, and says in a line of each what came of it and what
-//! it missed: `survey PATH…`. With an `OUT=` folder before them, the surfaces are written there as OBJ.
+//! it missed: `survey PATH…`. With an `OUT=` folder before them, the surfaces are written there as OBJ. With `FINER=1000000`
+//! each mesh is refined to so many faces first, without subdivision connectivity; at the end stands what memory all took.
 //!
 //! Wanted are genus and boundary loops of the repaired input, no face whose normal is over 90° from that of the input nearest to
 //! its middle, none without area, a root mean square of 2e-4 of the diagonal, four times the input's vertices and 20 s
@@ -8,7 +9,7 @@
 use bozzetto_core::conversion::clean::clean;
 use bozzetto_core::conversion::remesh::{RemeshOptions, remesh};
 use bozzetto_core::io;
-use bozzetto_core::mesh::{BoundingVolumes, CompareOptions, FaceIndex, TriangleMesh, compare};
+use bozzetto_core::mesh::{BoundingVolumes, CompareOptions, FaceIndex, TriangleMesh, compare, shapes};
 use bozzetto_core::surface::{FormOptions, Surface};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -22,16 +23,48 @@ fn main() {
         "{:<28}{:>9} {:>12} {:>5} {:>12} {:>6} {:>5} {:>9} {:>9} {:>7}  missed",
         "model", "faces", "base", "times", "genus, loops", "flips", "flat", "rms", "max", "s"
     );
-    let (out, paths): (Vec<String>, Vec<String>) =
-        std::env::args().skip(1).partition(|a| a.starts_with("OUT="));
-    let out = out.first().map(|out| PathBuf::from(&out["OUT=".len()..]));
+    let (words, paths): (Vec<String>, Vec<String>) = std::env::args().skip(1).partition(|a| a.contains('='));
+    let word = |name: &str| words.iter().find_map(|word| word.strip_prefix(name));
+    let out = word("OUT=").map(PathBuf::from);
+    let finer = word("FINER=").map(|count| count.parse().expect("a number of faces"));
     for path in paths.iter().flat_map(|path| files(Path::new(path))) {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        match survey(&path, out.as_ref().map(|out| out.join(format!("{name}.obj")))) {
+        match survey(&path, finer, out.as_ref().map(|out| out.join(format!("{name}.obj")))) {
             Ok(line) => println!("{name:<28}{line}"),
             Err(why) => println!("{name:<28} refused: {why}"),
         }
     }
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    if let Some(mark) = status.lines().find_map(|line| line.strip_prefix("VmHWM:")) {
+        println!("memory at most: {}", mark.trim());
+    }
+}
+
+/// So many faces or up to two more: all halved along every side as often as that is not too much, then some of them cut into three
+/// about their middle.
+fn refined(mut mesh: TriangleMesh, count: usize) -> TriangleMesh {
+    while 4 * mesh.faces.len() <= count {
+        mesh = shapes::subdivide(&mesh, 1);
+    }
+    let halved = mesh.faces.len();
+    // Golden steps: every face comes up once at most, in no order.
+    let cut = (0..halved).map(|k| (k * 0x9e37_79b1) % halved);
+    let mut seen = vec![false; halved];
+    for face in cut {
+        if mesh.faces.len() >= count {
+            break;
+        }
+        if std::mem::replace(&mut seen[face], true) {
+            continue;
+        }
+        let [a, b, c] = mesh.faces[face];
+        let corners = mesh.corners(FaceIndex(face as u32)).map(DVec3::from);
+        let middle = mesh.positions.len() as u32;
+        mesh.positions.push(((corners[0] + corners[1] + corners[2]) / 3.0).to_array());
+        mesh.faces[face] = [a, b, middle];
+        mesh.faces.extend([[b, c, middle], [c, a, middle]]);
+    }
+    TriangleMesh::new(mesh.positions, mesh.faces)
 }
 
 /// A file, or the meshes of a folder by their names.
@@ -47,8 +80,11 @@ fn files(path: &Path) -> Vec<PathBuf> {
 }
 
 /// One line of the table, or why there is none.
-fn survey(path: &Path, out: Option<PathBuf>) -> Result<String, String> {
-    let mesh = io::read_mesh(path).map_err(|e| e.to_string())?;
+fn survey(path: &Path, finer: Option<usize>, out: Option<PathBuf>) -> Result<String, String> {
+    let mut mesh = io::read_mesh(path).map_err(|e| e.to_string())?;
+    if let Some(count) = finer {
+        mesh = refined(mesh, count);
+    }
     let cleaned = clean(&mesh, 0.0).ok_or("no face with area")?;
     let input = cleaned.to_mesh();
     let start = Instant::now();

@@ -7,7 +7,7 @@ use super::clean::weld::equal;
 use super::marks::mark;
 use super::remesh::{Phase, RemeshError, RemeshOptions, remesh};
 use super::symmetry::Axis;
-use crate::hierarchy::detection::{Detected, detect, own_base};
+use crate::hierarchy::detection::{Detected, detect_while, own_base};
 use crate::hierarchy::{FINEST_LEVEL, Hierarchy, NotABaseMesh};
 use crate::mesh::connectivity::NotManifold;
 use crate::mesh::{Comparison, Connectivity, TriangleMesh};
@@ -112,7 +112,10 @@ pub fn convert_with_progress(
     progress: &dyn Fn(Phase, f32) -> bool,
 ) -> Result<Converted, ConversionError> {
     check(mesh)?;
-    let detected = if options.remesh == Remesh::Always { Ok(None) } else { detect_in(mesh, options) };
+    let detected = match options.remesh {
+        Remesh::Always => Ok(None),
+        _ => detect_in(mesh.positions.len(), &mesh.faces, options, progress)?,
+    };
     convert_detected(mesh, options, detected, progress)
 }
 
@@ -148,7 +151,7 @@ fn convert_putting_aside(
         return convert_with_progress(&mesh, options, progress);
     };
     mesh.positions = Vec::new();
-    let detected = detect(count as u32, &mesh.faces, options.levels.unwrap_or(FINEST_LEVEL));
+    let detected = detect_in(count, &mesh.faces, options, progress)?;
     let back = || aside.take(count).map_err(|error| ConversionError::Aside(error.to_string()));
     if let Ok(Some(detected)) = detected {
         let marks = mesh.sharp_edges;
@@ -185,7 +188,7 @@ fn convert_detected(
         Remesh::Always => return remeshed(mesh, options, progress),
         Remesh::Auto => match detected.ok().flatten() {
             Some(detected) => (detected, Kind::AsItIs, own()),
-            None => match detect_welded(mesh, options) {
+            None => match detect_welded(mesh, options, progress)? {
                 Some(Welded { detected, merged, marks }) => (detected, Kind::Welded(merged), marks),
                 None => return remeshed(mesh, options, progress),
             },
@@ -239,8 +242,16 @@ enum Kind {
     OwnBase,
 }
 
-fn detect_in(mesh: &TriangleMesh, options: &ConversionOptions) -> Result<Option<Detected>, NotManifold> {
-    detect(mesh.positions.len() as u32, &mesh.faces, options.levels.unwrap_or(FINEST_LEVEL))
+/// What is found of the connectivity of faces.
+fn detect_in(
+    vertices: usize,
+    faces: &[[u32; 3]],
+    options: &ConversionOptions,
+    progress: &dyn Fn(Phase, f32) -> bool,
+) -> Result<Result<Option<Detected>, NotManifold>, RemeshError> {
+    let levels = options.levels.unwrap_or(FINEST_LEVEL);
+    detect_while(vertices as u32, faces, levels, &|| progress(Phase::Clean, 0.0))
+        .map_err(|_| RemeshError::Cancelled)
 }
 
 /// Subdivision connectivity of a mesh with vertices at exactly the same place made one.
@@ -253,20 +264,25 @@ struct Welded {
 }
 
 /// `None` if there are no such vertices: seams of textures and soups have them.
-fn detect_welded(mesh: &TriangleMesh, options: &ConversionOptions) -> Option<Welded> {
+fn detect_welded(
+    mesh: &TriangleMesh,
+    options: &ConversionOptions,
+    progress: &dyn Fn(Phase, f32) -> bool,
+) -> Result<Option<Welded>, RemeshError> {
     let mut used = vec![false; mesh.positions.len()];
     mesh.faces.iter().flatten().for_each(|&v| used[v as usize] = true);
     let first = equal(&mesh.positions, &used);
     let merged = (0u32..).zip(&first).filter(|(v, other)| v != *other).count();
     if merged == 0 {
-        return None;
+        return Ok(None);
     }
     let faces: Vec<[u32; 3]> = mesh.faces.iter().map(|face| face.map(|v| first[v as usize])).collect();
-    let levels = options.levels.unwrap_or(FINEST_LEVEL);
-    let detected = detect(mesh.positions.len() as u32, &faces, levels).ok()??;
+    let Some(detected) = detect_in(mesh.positions.len(), &faces, options, progress)?.ok().flatten() else {
+        return Ok(None);
+    };
     let ends = mesh.sharp_edges.iter().map(|ends| ends.map(|v| first[v as usize])).collect();
     let marks = TriangleMesh::default().with_sharp_edges(ends).sharp_edges;
-    Some(Welded { detected, merged, marks })
+    Ok(Some(Welded { detected, merged, marks }))
 }
 
 fn remeshed(
@@ -325,6 +341,31 @@ mod tests {
                 let lent = format!("{:?}", convert(&mesh, &options));
                 let owned = convert_putting_aside(mesh.clone(), &options, &|_, _| true, 0);
                 assert!(format!("{owned:?}") == lent, "mesh {at}, {remesh:?}");
+            }
+        }
+    }
+
+    /// Looking for subdivision connectivity can be stopped too, at any question, in a mesh as it is and in one that is welded.
+    #[test]
+    fn detection_can_be_stopped() {
+        let ball = shapes::subdivide(&shapes::octahedron(), 3);
+        let mut soup = ball.clone();
+        soup.positions = ball.faces.iter().flatten().map(|&v| ball.positions[v as usize]).collect();
+        soup.faces = (0..ball.faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        for mesh in [ball, soup] {
+            let asked = std::cell::Cell::new(0);
+            let up_to = |last: u32| {
+                asked.set(0);
+                let go_on = |_, _| asked.replace(asked.get() + 1) < last;
+                convert_with_progress(&mesh, &ConversionOptions::default(), &go_on).map(|_| ())
+            };
+            assert_eq!(up_to(u32::MAX), Ok(()));
+            let all = asked.get();
+            assert!(all > 8, "{all} questions");
+            for last in 0..all {
+                let stopped = up_to(last);
+                assert_eq!(stopped, Err(RemeshError::Cancelled.into()), "question {last} of {all}");
+                assert_eq!(asked.get(), last + 1, "the first no is the last question");
             }
         }
     }

@@ -6,6 +6,7 @@
 //! simplicial manifold. It is repeated as often as it holds.
 
 use super::{BaseMesh, Hierarchy, Layout, Level, NotABaseMesh, Slot, base_mesh};
+use crate::mesh::Abandoned;
 use crate::mesh::connectivity::{Connectivity, NONE, NotManifold, previous};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -30,10 +31,26 @@ pub fn detect(
     faces: &[[u32; 3]],
     most_levels: u8,
 ) -> Result<Option<Detected>, NotManifold> {
-    let mut at = Connectivity::build(vertex_count, faces)?;
+    detect_while(vertex_count, faces, most_levels, &|| true).unwrap_or(Ok(None))
+}
+
+/// [`detect`], asking now and then, after some hundredths of a second, whether to go on.
+///
+/// # Errors
+/// The answer was no.
+pub fn detect_while(
+    vertex_count: u32,
+    faces: &[[u32; 3]],
+    most_levels: u8,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Result<Option<Detected>, NotManifold>, Abandoned> {
+    let mut at = match Connectivity::build_while(vertex_count, faces, go_on)? {
+        Ok(built) => built,
+        Err(why) => return Ok(Err(why)),
+    };
     let mut steps: Vec<Midpoints> = Vec::new();
     while steps.len() < usize::from(most_levels.min(super::FINEST_LEVEL)) {
-        match coarsen(at) {
+        match coarsen(at, go_on)? {
             Coarsened::Done(coarse, midpoints) => {
                 at = coarse;
                 steps.push(midpoints);
@@ -44,10 +61,7 @@ pub fn detect(
             }
         }
     }
-    if steps.is_empty() {
-        return Ok(None);
-    }
-    Ok(assemble(&at, &steps))
+    Ok(Ok((!steps.is_empty()).then(|| assemble(&at, &steps)).flatten()))
 }
 
 /// Makes a mesh its own base mesh, J = 0; the slots' sources are all vertices in order.
@@ -90,21 +104,29 @@ enum Coarsened<'f> {
 
 /// One step back. Vertex indices stay those of the triangle list. The relations of the finer mesh are let go before those of
 /// the coarser are made, for together they would take more memory than all else.
-fn coarsen(mesh: Connectivity<'_>) -> Coarsened<'_> {
-    let Some(middles) = middle_faces(&mesh) else { return Coarsened::Not(mesh) };
+fn coarsen<'f>(mesh: Connectivity<'f>, go_on: &dyn Fn() -> bool) -> Result<Coarsened<'f>, Abandoned> {
+    let middles = match middle_faces(&mesh, go_on) {
+        Ok(middles) => middles,
+        Err(Without::Connectivity) => return Ok(Coarsened::Not(mesh)),
+        Err(Without::Answer) => return Err(Abandoned),
+    };
     let (vertex_count, finer) = (mesh.vertex_count(), mesh.into_faces());
-    let midpoints = middles.midpoints(&finer);
-    let coarse = midpoints.and_then(|midpoints| {
-        let coarse = Connectivity::build(vertex_count, middles.coarse).ok()?;
-        base_mesh::is_simplicial(&coarse).then_some((coarse, midpoints))
-    });
-    match coarse {
-        Some((coarse, midpoints)) => Coarsened::Done(coarse, midpoints),
-        None => {
-            let again = Connectivity::build(vertex_count, finer);
-            Coarsened::Not(again.expect("it was built of these faces before"))
-        }
+    if let Some(midpoints) = middles.midpoints(&finer)
+        && let Ok(coarse) = Connectivity::build_while(vertex_count, middles.coarse, go_on)?
+        && base_mesh::is_simplicial(&coarse)
+    {
+        return Ok(Coarsened::Done(coarse, midpoints));
     }
+    let again = Connectivity::build_while(vertex_count, finer, go_on)?;
+    Ok(Coarsened::Not(again.expect("it was built of these faces before")))
+}
+
+/// Why there are no labels.
+enum Without {
+    /// There are none that agree.
+    Connectivity,
+    /// Nobody waits for them any more.
+    Answer,
 }
 
 /// The faces between three midpoints.
@@ -117,11 +139,11 @@ struct Middles {
 }
 
 /// The faces that lie in the middle of coarse ones, if all do or beside one that does.
-fn middle_faces(mesh: &Connectivity) -> Option<Middles> {
+fn middle_faces(mesh: &Connectivity, go_on: &dyn Fn() -> bool) -> Result<Middles, Without> {
     if !mesh.faces().len().is_multiple_of(4) {
-        return None;
+        return Err(Without::Connectivity);
     }
-    let labels = label(mesh)?;
+    let labels = label(mesh, go_on)?;
     let count = mesh.faces().len() / 4;
     let mut middles = Middles {
         faces: Vec::with_capacity(count),
@@ -138,22 +160,22 @@ fn middle_faces(mesh: &Connectivity) -> Option<Middles> {
                     // The face across edge k holds the coarse corner opposite it.
                     let across = mesh.twin((3 * f + k) as u32);
                     if across == NONE {
-                        return None;
+                        return Err(Without::Connectivity);
                     }
                     *corner = mesh.origin(previous(across));
                     if labels[*corner as usize] != Label::Even {
-                        return None;
+                        return Err(Without::Connectivity);
                     }
                 }
                 middles.faces.push(f as u32);
                 middles.coarse.push(coarse);
                 middles.on_boundary.extend(face.iter().filter(|&&v| mesh.is_boundary(v)));
             }
-            _ => return None,
+            _ => return Err(Without::Connectivity),
         }
     }
     middles.on_boundary.sort_unstable();
-    (corners_used == 3 * middles.faces.len()).then_some(middles)
+    if corners_used == 3 * middles.faces.len() { Ok(middles) } else { Err(Without::Connectivity) }
 }
 
 impl Middles {
@@ -179,19 +201,27 @@ impl Middles {
     }
 }
 
-/// Even and odd labels of all vertices that faces use, or `None` if no consistent labelling exists.
-fn label(mesh: &Connectivity) -> Option<Vec<Label>> {
+/// Even vertices that are gone through between two questions whether to go on.
+const STRIDE: usize = 1 << 16;
+
+/// Even and odd labels of all vertices that faces use, where a consistent labelling exists.
+fn label(mesh: &Connectivity, go_on: &dyn Fn() -> bool) -> Result<Vec<Label>, Without> {
     let mut labels = vec![Label::Unknown; mesh.vertex_count() as usize];
     let mut queue = Vec::new();
+    let mut seen = 0usize;
     for start in starts(mesh) {
         labels[start as usize] = Label::Even;
         queue.push(start);
         while let Some(v) = queue.pop() {
+            seen += 1;
+            if seen.is_multiple_of(STRIDE) && !go_on() {
+                return Err(Without::Answer);
+            }
             for h in mesh.fan(v) {
-                spread(mesh, h, &mut labels, &mut queue)?;
+                spread(mesh, h, &mut labels, &mut queue).ok_or(Without::Connectivity)?;
             }
             if let Some(h) = last_boundary_edge(mesh, v) {
-                spread_back(mesh, h, &mut labels, &mut queue)?;
+                spread_back(mesh, h, &mut labels, &mut queue).ok_or(Without::Connectivity)?;
             }
         }
     }
@@ -203,7 +233,7 @@ fn label(mesh: &Connectivity) -> Option<Vec<Label>> {
                 Label::Unknown => false,
             }
     });
-    consistent.then_some(labels)
+    if consistent { Ok(labels) } else { Err(Without::Connectivity) }
 }
 
 /// One vertex per component: the lowest extraordinary, else the lowest on the boundary, else the lowest.

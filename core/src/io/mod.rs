@@ -188,8 +188,8 @@ pub fn read_mesh_bytes_while(
         MeshFormat::Obj => obj::parse(&mut &bytes[..], &watch),
         MeshFormat::Ply => ply::parse(&mut &bytes[..], bytes.len() as u64, &watch),
         MeshFormat::Off => off::parse(bytes, &watch),
-        MeshFormat::Stl => stl::parse(bytes),
-        MeshFormat::Glb => glb::parse(bytes),
+        MeshFormat::Stl => stl::parse(bytes, &watch),
+        MeshFormat::Glb => glb::parse(bytes, &watch),
     };
     parsed.map_err(|wrong| said(name, wrong))
 }

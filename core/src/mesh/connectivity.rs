@@ -141,7 +141,7 @@ impl<'f> Connectivity<'f> {
             twins = edge_pairs(vertex_count, &faces, ask)?;
         }
         ask()?;
-        let outgoing = fans(vertex_count, &faces, &twins)?;
+        let outgoing = fans(vertex_count, &faces, &twins, ask)?;
         Ok(Self { faces, twins, outgoing, component_of_face, components })
     }
 
@@ -285,6 +285,9 @@ fn edge_pairs(
     for first in (0..vertex_count).step_by(vertices as usize) {
         edges.clear();
         for (f, face) in faces.iter().enumerate() {
+            if f % AT_ONCE == AT_ONCE - 1 {
+                ask()?;
+            }
             for k in 0..3 {
                 let (a, b) = (face[k], face[(k + 1) % 3]);
                 if a.min(b).wrapping_sub(first) < vertices {
@@ -381,10 +384,18 @@ fn orient(
 }
 
 /// One outgoing half-edge per vertex, after checking that each vertex has a single fan.
-fn fans(vertex_count: u32, faces: &[[u32; 3]], twins: &[u32]) -> Result<Vec<u32>, NotManifold> {
+fn fans(
+    vertex_count: u32,
+    faces: &[[u32; 3]],
+    twins: &[u32],
+    ask: &dyn Fn() -> Result<(), Stop>,
+) -> Result<Vec<u32>, Stop> {
     let mut outgoing = vec![NONE; vertex_count as usize];
     let mut count = vec![0u32; vertex_count as usize];
     for (f, face) in faces.iter().enumerate() {
+        if f % STRIDE == STRIDE - 1 {
+            ask()?;
+        }
         for (k, &v) in face.iter().enumerate() {
             let here = (3 * f + k) as u32;
             count[v as usize] += 1;
@@ -394,6 +405,9 @@ fn fans(vertex_count: u32, faces: &[[u32; 3]], twins: &[u32]) -> Result<Vec<u32>
         }
     }
     for (v, &first) in outgoing.iter().enumerate() {
+        if v % STRIDE == STRIDE - 1 {
+            ask()?;
+        }
         if first == NONE {
             continue;
         }
@@ -407,7 +421,7 @@ fn fans(vertex_count: u32, faces: &[[u32; 3]], twins: &[u32]) -> Result<Vec<u32>
             }
         }
         if reached != count[v] {
-            return Err(NotManifold::Vertex { vertex: v as u32 });
+            return Err(NotManifold::Vertex { vertex: v as u32 }.into());
         }
     }
     Ok(outgoing)

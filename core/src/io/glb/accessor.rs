@@ -3,6 +3,7 @@
 
 use super::scene::{Accessor, Scenes, Shape};
 use crate::io::text::{Decimal, check_coordinate};
+use crate::io::watch::Watch;
 use crate::io::{Defect, LARGEST_COUNT, Parsed, Place, with_room};
 
 /// Where an accessor's elements are.
@@ -87,10 +88,10 @@ pub(super) fn accessor(scenes: &Scenes, index: usize) -> Parsed<&Accessor> {
 
 /// The positions of an accessor, as `place` makes them.
 pub(super) fn positions(
-    scenes: &Scenes,
-    binary: &[u8],
+    (scenes, binary): (&Scenes, &[u8]),
     index: usize,
     place: impl Fn([f64; 3]) -> [f64; 3],
+    watch: &Watch,
     into: &mut Vec<[f64; 3]>,
 ) -> Parsed<()> {
     let here = |defect| (accessor_place(index), defect);
@@ -101,6 +102,7 @@ pub(super) fn positions(
     }
     into.try_reserve(elements.count).map_err(|_| here(Defect::OutOfMemory))?;
     for vertex in 0..elements.count {
+        watch.pass()?;
         let bytes = &elements.bytes[vertex * elements.stride..];
         let number = |axis: usize| {
             let number = component.read(&bytes[axis * component.size()..]);
@@ -117,7 +119,12 @@ pub(super) fn positions(
 }
 
 /// The indices of an accessor, all below `vertices`.
-pub(super) fn indices(scenes: &Scenes, binary: &[u8], index: usize, vertices: u64) -> Parsed<Vec<u32>> {
+pub(super) fn indices(
+    (scenes, binary): (&Scenes, &[u8]),
+    index: usize,
+    vertices: u64,
+    watch: &Watch,
+) -> Parsed<Vec<u32>> {
     let elements = elements(scenes, binary, index, Shape::Scalar)?;
     let unsigned = [Component::UnsignedByte, Component::UnsignedShort, Component::UnsignedInt];
     if !unsigned.contains(&elements.component) {
@@ -125,6 +132,7 @@ pub(super) fn indices(scenes: &Scenes, binary: &[u8], index: usize, vertices: u6
     }
     let mut indices = with_room(elements.count)?;
     for element in 0..elements.count {
+        watch.pass()?;
         let vertex = elements.component.read(&elements.bytes[element * elements.stride..]) as u32;
         if u64::from(vertex) >= vertices {
             let place = Place::Element { name: format!("accessor {index}, index"), index: element as u64 };

@@ -14,6 +14,7 @@ use rustc_hash::FxHashMap;
 
 use super::accessor::{accessor, accessor_place, indices, positions};
 use super::scene::{Primitive, Scenes};
+use crate::io::watch::Watch;
 use crate::io::{Defect, LARGEST_COUNT, Parsed, Place, with_room};
 use crate::mesh::TriangleMesh;
 
@@ -21,11 +22,11 @@ use crate::mesh::TriangleMesh;
 const MOST_EXPANSION: u64 = 64;
 
 /// Parses a whole file.
-pub(in crate::io) fn parse(bytes: &[u8]) -> Parsed<TriangleMesh> {
+pub(in crate::io) fn parse(bytes: &[u8], watch: &Watch) -> Parsed<TriangleMesh> {
     let (json, binary) = chunks(bytes)?;
     let scenes = Scenes::parse(json)?;
     let room = MOST_EXPANSION.saturating_mul(bytes.len() as u64);
-    let mut reader = Reader { scenes: &scenes, binary, mesh: TriangleMesh::default(), room };
+    let mut reader = Reader { scenes: &scenes, binary, mesh: TriangleMesh::default(), room, watch };
     reader.read_scene()?;
     match reader.mesh.faces.is_empty() {
         true => Err((Place::Whole, Defect::NoFaces)),
@@ -64,15 +65,16 @@ fn chunks(bytes: &[u8]) -> Parsed<(&[u8], &[u8])> {
     Ok((json, binary.unwrap_or_default()))
 }
 
-struct Reader<'a> {
+struct Reader<'a, 'w> {
     scenes: &'a Scenes,
     binary: &'a [u8],
     mesh: TriangleMesh,
     /// Bytes that may yet be added to the mesh.
     room: u64,
+    watch: &'a Watch<'w>,
 }
 
-impl Reader<'_> {
+impl Reader<'_, '_> {
     /// The default scene, else the first; without scenes all nodes that have no parent, without nodes all meshes.
     fn read_scene(&mut self) -> Parsed<()> {
         let scenes = self.scenes;
@@ -131,6 +133,7 @@ impl Reader<'_> {
         // The first vertex of each accessor of positions that was read for this node.
         let mut read = FxHashMap::default();
         for primitive in &mesh.primitives {
+            self.watch.pass()?;
             match (primitive.mode, primitive.attributes.position) {
                 (4..=6, Some(position)) => self.read_primitive(primitive, position, placement, &mut read)?,
                 (0..=6, _) => {}
@@ -165,13 +168,19 @@ impl Reader<'_> {
                     Some(placement) => placement.transform_point3(DVec3::from(p)).to_array(),
                     None => p,
                 };
-                positions(self.scenes, self.binary, position, placed, &mut self.mesh.positions)?;
+                positions(
+                    (self.scenes, self.binary),
+                    position,
+                    placed,
+                    self.watch,
+                    &mut self.mesh.positions,
+                )?;
                 read.insert(position, first as u32);
                 first as u32
             }
         };
         let corners: Vec<u32> = match primitive.indices {
-            Some(index) => indices(self.scenes, self.binary, index, count)?,
+            Some(index) => indices((self.scenes, self.binary), index, count, self.watch)?,
             None => {
                 let mut corners = with_room(count as usize)?;
                 corners.extend(0..count as u32);
@@ -190,9 +199,11 @@ impl Reader<'_> {
             return Err((Place::Whole, Defect::TooMany { what: "faces" }));
         }
         faces.try_reserve(most).map_err(|_| (Place::Whole, Defect::OutOfMemory))?;
+        let watch = self.watch;
         let mut add = |[a, b, c]: [u32; 3]| {
             let face = if mirrored { [a, c, b] } else { [a, b, c] };
             faces.push(face.map(|corner| corner + first));
+            watch.pass()
         };
         match mode {
             4 => {
@@ -201,12 +212,13 @@ impl Reader<'_> {
                     let problem = format!("a primitive has {} corners, no multiple of three", corners.len());
                     return Err((Place::Whole, Defect::Scene { problem }));
                 }
-                triangles.iter().for_each(|&face| add(face));
+                triangles.iter().try_for_each(|&face| add(face))
             }
-            5 => (0..most).for_each(|i| add([corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]])),
-            _ => (0..most).for_each(|i| add([corners[i + 1], corners[i + 2], corners[0]])),
+            5 => {
+                (0..most).try_for_each(|i| add([corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]]))
+            }
+            _ => (0..most).try_for_each(|i| add([corners[i + 1], corners[i + 2], corners[0]])),
         }
-        Ok(())
     }
 
     fn spend(&mut self, elements: u64, bytes: u64) -> Parsed<()> {

@@ -9,6 +9,7 @@ use std::collections::HashMap;
 
 use crate::io::polygon::triangulate;
 use crate::io::text::{Decimal, Lines, check_coordinate, coordinates, words};
+use crate::io::watch::Watch;
 use crate::io::{Defect, LARGEST_COUNT, Parsed, Place, with_room};
 use crate::mesh::TriangleMesh;
 
@@ -18,7 +19,7 @@ const BINARY_HEADER: usize = 84;
 const BINARY_FACE: usize = 50;
 
 /// Parses a whole file.
-pub(in crate::io) fn parse(bytes: &[u8]) -> Parsed<TriangleMesh> {
+pub(in crate::io) fn parse(bytes: &[u8], watch: &Watch) -> Parsed<TriangleMesh> {
     let count = bytes
         .get(80..BINARY_HEADER)
         .map(|count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]));
@@ -27,8 +28,8 @@ pub(in crate::io) fn parse(bytes: &[u8]) -> Parsed<TriangleMesh> {
     let named = text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     let printable = !bytes[..bytes.len().min(BINARY_HEADER)].contains(&0);
     match count {
-        Some(count) if fits(count) || !(named && printable) => parse_binary(bytes, count),
-        _ if named => parse_text(bytes),
+        Some(count) if fits(count) || !(named && printable) => parse_binary(bytes, count, watch),
+        _ if named => parse_text(bytes, watch),
         _ => {
             let reason = "it does not begin with 'solid' and is too short for the binary form".to_owned();
             Err((Place::Whole, Defect::NotThisFormat { format: "an STL file", reason }))
@@ -40,7 +41,7 @@ fn binary_length(faces: u32) -> u64 {
     BINARY_HEADER as u64 + BINARY_FACE as u64 * u64::from(faces)
 }
 
-fn parse_binary(bytes: &[u8], declared: u32) -> Parsed<TriangleMesh> {
+fn parse_binary(bytes: &[u8], declared: u32, watch: &Watch) -> Parsed<TriangleMesh> {
     if declared == 0 {
         return Err((Place::Whole, Defect::NoFaces));
     }
@@ -52,6 +53,7 @@ fn parse_binary(bytes: &[u8], declared: u32) -> Parsed<TriangleMesh> {
     let mut faces = with_room(declared as usize)?;
     let records = bytes[BINARY_HEADER..].chunks_exact(BINARY_FACE).take(declared as usize);
     for (index, record) in (0u64..).zip(records) {
+        watch.pass()?;
         let place = || Place::Element { name: "face".to_owned(), index };
         let mut corners = [0; 3];
         for (corner, vector) in corners.iter_mut().zip(record[12..48].as_chunks::<12>().0) {
@@ -70,11 +72,12 @@ fn parse_binary(bytes: &[u8], declared: u32) -> Parsed<TriangleMesh> {
 
 /// Only `vertex`, `endloop` and the ends of solids count; all other words are passed over. A loop of more than three
 /// corners is cut into triangles.
-fn parse_text(bytes: &[u8]) -> Parsed<TriangleMesh> {
+fn parse_text(bytes: &[u8], watch: &Watch) -> Parsed<TriangleMesh> {
     let mut places = Places::default();
     let (mut corners, mut arities) = (Vec::new(), Vec::new());
     let (mut open, mut ended) = (0u32, false);
     for (number, line) in Lines::new(bytes) {
+        watch.pass()?;
         let mut words = words(line);
         while let Some(word) = words.next() {
             let is = |keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
