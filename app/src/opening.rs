@@ -146,7 +146,7 @@ fn converted(
     let named = |sentence: String| anyhow!("{name}: {sentence}");
     let cancelled = || named("importing it was cancelled".to_owned());
     let clock = Clock::new(progress);
-    if options.conversion.remesh != Remesh::Always && !clock.report(Stage::Detect, 0.0) {
+    if options.conversion.remesh != Remesh::Always && !clock.report(Stage::Convert(Phase::Detect), 0.0) {
         return Err(cancelled());
     }
     let by_phase = |phase, done: f32| clock.report(Stage::Convert(phase), done);
@@ -181,7 +181,7 @@ pub(crate) fn import_if_kept(
 ) -> Result<Option<Imported>> {
     let converts = Cell::new(false);
     let until_converting = |stage: Stage, done: f32| {
-        converts.set(converts.get() || matches!(stage, Stage::Convert(_)));
+        converts.set(converts.get() || matches!(stage, Stage::Convert(phase) if phase != Phase::Detect));
         !converts.get() && progress(stage, done)
     };
     match import(source, options, &until_converting) {

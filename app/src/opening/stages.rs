@@ -9,9 +9,7 @@ use std::time::Instant;
 pub(crate) enum Stage {
     /// Reading the file.
     Read,
-    /// Looking for subdivision connectivity.
-    Detect,
-    /// Converting, by the conversion's own phases.
+    /// Converting, from looking for subdivision connectivity on, by the conversion's own phases.
     Convert(Phase),
     /// Making wavelets of the positions.
     Build,
@@ -23,7 +21,7 @@ impl Stage {
     /// All stages in their order, for people who wait.
     pub(crate) const ALL: [Stage; 10] = [
         Stage::Read,
-        Stage::Detect,
+        Stage::Convert(Phase::Detect),
         Stage::Convert(Phase::Clean),
         Stage::Convert(Phase::Simplify),
         Stage::Convert(Phase::Resample),
@@ -44,7 +42,7 @@ impl Stage {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Stage::Read => "Read the file",
-            Stage::Detect => "Look for subdivision connectivity",
+            Stage::Convert(Phase::Detect) => "Look for subdivision connectivity",
             Stage::Convert(Phase::Clean) => "Repair the mesh",
             Stage::Convert(Phase::Simplify) => "Simplify it to a base mesh",
             Stage::Convert(Phase::Resample) => "Place the vertices",
@@ -60,7 +58,7 @@ impl Stage {
     fn span(self) -> [f32; 2] {
         match self {
             Stage::Read => [0.0, 0.05],
-            Stage::Detect => [0.05, 0.06],
+            Stage::Convert(Phase::Detect) => [0.05, 0.06],
             Stage::Convert(Phase::Clean) => [0.06, 0.08],
             Stage::Convert(Phase::Simplify) => [0.08, 0.16],
             Stage::Convert(Phase::Resample) => [0.16, 0.19],

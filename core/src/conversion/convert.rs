@@ -250,7 +250,7 @@ fn detect_in(
     progress: &dyn Fn(Phase, f32) -> bool,
 ) -> Result<Result<Option<Detected>, NotManifold>, RemeshError> {
     let levels = options.levels.unwrap_or(FINEST_LEVEL);
-    detect_while(vertices as u32, faces, levels, &|| progress(Phase::Clean, 0.0))
+    detect_while(vertices as u32, faces, levels, &|| progress(Phase::Detect, 0.0))
         .map_err(|_| RemeshError::Cancelled)
 }
 

@@ -55,6 +55,8 @@ pub struct RemeshOptions {
 /// What the conversion is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
+    /// Looking for subdivision connectivity, before anything is remeshed.
+    Detect,
     /// Repairing the input.
     Clean,
     /// Collapsing edges to the base mesh.
