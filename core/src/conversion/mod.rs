@@ -30,6 +30,7 @@ mod mirror;
 mod normal_equations;
 mod parameterise;
 mod patch;
+mod prepared;
 mod pulls;
 mod quadric;
 pub mod remesh;

@@ -7,7 +7,6 @@ use super::creases::Creases;
 use super::density::Density;
 use super::domain::Domain;
 use super::edge_flips::{flip_edges, open_ears};
-use super::fans::{Ringed, with_rings};
 use super::fit::{FitRules, fit};
 use super::halve::Half;
 use super::held::Held;
@@ -16,19 +15,16 @@ use super::lay_out::{Input, NoLattice, Spacing, lay_out};
 use super::mend::Mending;
 use super::mirror::{Laid, mirrored};
 use super::parameterise::Parameterisation;
-use super::simplify::{Cancelled, ask, simplify};
+use super::prepared::{Prepared, beside, working_mesh};
+use super::simplify::{Cancelled, simplify};
 use super::size::{Size, affordable, as_is, fewest_base_faces};
 use super::symmetry::{Axis, NEARLY, mirror_plane};
 use super::target::Target;
-use super::thin::thin;
 use super::walk::Ground;
 use super::working_mesh::WorkingMesh;
 use crate::hierarchy::{Hierarchy, Level, NotABaseMesh};
-use crate::mesh::{
-    BoundingVolumes, CompareError, CompareOptions, Comparison, Connectivity, TriangleMesh, compare_with,
-};
+use crate::mesh::{CompareError, CompareOptions, Comparison, TriangleMesh, compare_with};
 use glam::DVec3;
-use std::sync::atomic::{AtomicBool, Ordering};
 use thiserror::Error;
 
 /// How to convert.
@@ -161,7 +157,9 @@ pub fn remesh(
         frame = frame.about(axis, plane);
     }
     let fewest = fewest_base_faces(cleaned.connectivity.genus(), cleaned.connectivity.boundary_loops());
-    let mut prepared = Prepared::new(frame.into_unit(&input), cleaned.connectivity, progress)?;
+    let mut prepared = Prepared::new(frame.into_unit(&input), cleaned.connectivity, &|done| {
+        progress(Phase::Simplify, done)
+    })?;
     if let Some(axis) = options.symmetric {
         let half = Half::of(&prepared.ground, &prepared.connectivity);
         prepared.half = Some(half.ok_or(RemeshError::SidesDiffer { axis })?);
@@ -219,80 +217,6 @@ pub fn remesh(
 const FACES_PER_CORNER: usize = 4;
 /// Samples on each surface when a greatest distance was promised.
 const CLOSE_SAMPLES: usize = 1_000_000;
-
-/// A cleaned input in a box of diagonal 1, and the surface that is parameterised in its place: itself, with rings in large
-/// fans, or where it is very large a close one of fewer faces.
-struct Prepared {
-    /// Faces of the input.
-    faces: usize,
-    target: TriangleMesh,
-    /// Of the input, where it was made meanwhile.
-    tree: Option<BoundingVolumes>,
-    ground: TriangleMesh,
-    connectivity: Connectivity<'static>,
-    /// Half of that, where the base mesh is to be symmetric.
-    half: Option<Half>,
-}
-
-/// Inputs of more faces are thinned before they are parameterised: what that takes away is far smaller than the faces
-/// of the result, which is fitted to the whole input.
-const LARGEST_GROUND: usize = 250_000;
-/// Faces left of those.
-const THINNED: usize = 150_000;
-
-impl Prepared {
-    fn new(
-        target: TriangleMesh,
-        connectivity: Connectivity<'static>,
-        progress: &dyn Fn(Phase, f32) -> bool,
-    ) -> Result<Self, RemeshError> {
-        if target.faces.len() <= LARGEST_GROUND {
-            let faces = target.faces.len();
-            let (target, ground, connectivity) = match with_rings(&target, &connectivity) {
-                // Points near the hub of many slivers are slow to project.
-                Some(Ringed { mesh, connectivity, is_flat: true }) => (mesh.clone(), mesh, connectivity),
-                Some(ringed) => (target, ringed.mesh, ringed.connectivity),
-                None => (target.clone(), target, connectivity),
-            };
-            return Ok(Self { faces, target, tree: None, ground, connectivity, half: None });
-        }
-        let mut working = working_mesh(&target, &connectivity);
-        if !target.sharp_edges.is_empty() {
-            working = working.with_creases(Creases::marked(&target, &connectivity));
-        }
-        let go_on = || progress(Phase::Simplify, 0.0);
-        ask(&go_on)?;
-        let creases = Creases::default();
-        let density = Density::new_while(&target, &connectivity, THINNED as f64, &creases, &go_on)?;
-        let mut tree = None;
-        beside(
-            |go_on| tree = BoundingVolumes::build_while(&target, &mut || go_on()).unwrap_or(None),
-            || thin(&mut working, THINNED, &density, &|done| progress(Phase::Simplify, done)),
-        )?;
-        let ground = working.compact();
-        let connectivity = Connectivity::build(ground.positions.len() as u32, ground.faces.clone())
-            .expect("collapses keep a manifold");
-        Ok(Self { faces: target.faces.len(), target, tree, ground, connectivity, half: None })
-    }
-}
-
-/// Does one thing on another thread while this one is at work, which alone may be asked to stop; both end then.
-fn beside<T>(
-    aside: impl FnOnce(&dyn Fn() -> bool) + Send,
-    work: impl FnOnce() -> Result<T, Cancelled>,
-) -> Result<T, Cancelled> {
-    let stopped = AtomicBool::new(false);
-    rayon::in_place_scope(|scope| {
-        scope.spawn(|_| aside(&|| !stopped.load(Ordering::Relaxed)));
-        let done = work();
-        stopped.store(done.is_err(), Ordering::Relaxed);
-        done
-    })
-}
-
-fn working_mesh(mesh: &TriangleMesh, connectivity: &Connectivity) -> WorkingMesh {
-    WorkingMesh::new(mesh.positions.iter().map(|&p| DVec3::from(p)).collect(), connectivity)
-}
 
 /// What one attempt makes; positions in the unit box.
 struct Made {

@@ -154,7 +154,7 @@ fn marks_outlive_thinning() {
         mesh.faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).filter(in_plane).collect();
     let mesh = mesh.with_sharp_edges(ring);
     let connectivity = Connectivity::build(mesh.positions.len() as u32, mesh.faces.clone()).unwrap();
-    let Prepared { target, ground, .. } = Prepared::new(mesh, connectivity, &|_, _| true).unwrap();
+    let Prepared { target, ground, .. } = Prepared::new(mesh, connectivity, &|_| true).unwrap();
     assert!(ground.faces.len() < target.faces.len());
     assert!(
         (64..target.sharp_edges.len()).contains(&ground.sharp_edges.len()),
