@@ -40,8 +40,8 @@ fn main() {
     }
 }
 
-/// So many faces or up to two more: all halved along every side as often as that is not too much, then some of them cut into three
-/// about their middle.
+/// Up to so many faces, or two more: all halved along every side as often as that is not too much, then as many as are missing, each
+/// once at most, cut into three about their middle.
 fn refined(mut mesh: TriangleMesh, count: usize) -> TriangleMesh {
     while 4 * mesh.faces.len() <= count {
         mesh = shapes::subdivide(&mesh, 1);
