@@ -17,6 +17,8 @@ pub(super) struct Prepared {
     /// Faces of the input.
     pub(super) faces: usize,
     pub(super) target: TriangleMesh,
+    /// The input, where the target has rings and that has not: it is what is measured against.
+    pub(super) without_rings: Option<TriangleMesh>,
     /// Of the input, where it was made meanwhile.
     pub(super) tree: Option<BoundingVolumes>,
     pub(super) ground: TriangleMesh,
@@ -43,13 +45,17 @@ impl Prepared {
     ) -> Result<Self, Cancelled> {
         if target.faces.len() <= LARGEST_GROUND {
             let faces = target.faces.len();
+            let mut without_rings = None;
             let (target, ground, connectivity) = match with_rings(&target, &connectivity) {
                 // Points near the hub of many slivers are slow to project.
-                Some(Ringed { mesh, connectivity, is_flat: true }) => (mesh.clone(), mesh, connectivity),
+                Some(Ringed { mesh, connectivity, is_flat: true }) => {
+                    without_rings = Some(target);
+                    (mesh.clone(), mesh, connectivity)
+                }
                 Some(ringed) => (target, ringed.mesh, ringed.connectivity),
                 None => (target.clone(), target, connectivity),
             };
-            return Ok(Self { faces, target, tree: None, ground, connectivity, half: None });
+            return Ok(Self { faces, target, without_rings, tree: None, ground, connectivity, half: None });
         }
         let mut working = working_mesh(&target, &connectivity);
         if !target.sharp_edges.is_empty() {
@@ -67,7 +73,8 @@ impl Prepared {
         let ground = working.compact();
         let connectivity = Connectivity::build(ground.positions.len() as u32, ground.faces.clone())
             .expect("collapses keep a manifold");
-        Ok(Self { faces: target.faces.len(), target, tree, ground, connectivity, half: None })
+        let faces = target.faces.len();
+        Ok(Self { faces, target, without_rings: None, tree, ground, connectivity, half: None })
     }
 }
 

@@ -185,8 +185,12 @@ pub fn remesh(
             if options.tolerance.is_some() { CLOSE_SAMPLES } else { CompareOptions::default().samples };
         let rules = CompareOptions { samples, ..CompareOptions::default() };
         let tree = target.as_ref().map(|target: &Target| &*target.tree);
+        let (unit_input, tree) = match &prepared.without_rings {
+            Some(input) => (input, None),
+            None => (&prepared.target, tree),
+        };
         let go_on = |done| progress(Phase::Measure, done);
-        let measured = compare_with(&prepared.target, tree, &result, &rules, &go_on)?;
+        let measured = compare_with(unit_input, tree, &result, &rules, &go_on)?;
         let looks = target.as_ref().map_or(0, Target::looks);
         let found = Found { measured, turned: made.turned, looks };
         next = attempts.next(made.size, &found, &input, options);
@@ -251,7 +255,7 @@ fn attempt<'m>(
 ) -> Result<Made, RemeshError> {
     let check = |phase| if progress(phase, 0.0) { Ok(()) } else { Err(RemeshError::Cancelled) };
     let Size { base_faces: aim, levels, spacing, closely } = size;
-    let Prepared { faces, target: input, tree, ground, connectivity, half } = prepared;
+    let Prepared { faces, target: input, tree, ground, connectivity, half, .. } = prepared;
     check(Phase::Simplify)?;
     let (whole, connectivity) = match half {
         None => (ground, connectivity),
