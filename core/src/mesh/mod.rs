@@ -4,7 +4,7 @@ mod bounding_volumes;
 pub mod connectivity;
 mod deviation;
 mod distance;
-mod sampling;
+pub(crate) mod sampling;
 pub mod shapes;
 mod triangle_distance;
 mod triangle_mesh;

@@ -2,14 +2,20 @@
 //! known again by who neighbours whom in it.
 
 use super::Wavelet;
-use super::weights::{self, WeightSolver, is_on_sharp};
+use super::solving::{LANES, Systems};
+use super::weights::{WeightSolver, is_on_sharp};
 use crate::hierarchy::{Layout, Odd, Slot};
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use rustc_hash::FxHashSet;
+use std::borrow::Borrow;
+use std::hash::{Hash, Hasher};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Larger discs are left to the solver: neighbours in a disc are bits of a word.
 const LARGEST: usize = 64;
+/// Words of a key for each vertex of a disc, and for the halved edge.
+const PER_VERTEX: usize = 3;
+const EDGE: usize = 4;
 /// The place of a vertex that a sharp edge keeps out of a disc.
 const LEFT_OUT: u32 = 255;
 
@@ -62,61 +68,132 @@ pub(super) struct Scratch {
     key: Vec<u64>,
 }
 
-/// Discs that have been solved.
+/// A disc: what it is known by, and its weights once they are solved.
+struct Disc {
+    key: Box<[u64]>,
+    weights: OnceLock<Vec<i32>>,
+}
+
+impl Disc {
+    /// How many vertices it has.
+    fn len(&self) -> usize {
+        (self.key.len() - EDGE) / PER_VERTEX
+    }
+}
+
+/// A disc that is found by its key.
+struct ByKey(Arc<Disc>);
+
+impl Borrow<[u64]> for ByKey {
+    fn borrow(&self) -> &[u64] {
+        &self.0.key
+    }
+}
+
+impl Hash for ByKey {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.0.key.hash(state);
+    }
+}
+
+impl PartialEq for ByKey {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.key == other.0.key
+    }
+}
+
+impl Eq for ByKey {}
+
+/// The discs that have been met.
 #[derive(Default)]
 pub(super) struct CoarseDiscs {
-    solved: Mutex<FxHashMap<Vec<u64>, Arc<[i32]>>>,
+    met: Mutex<FxHashSet<ByKey>>,
+}
+
+/// The discs of a run of odd vertices, of which some have not been solved.
+pub(super) struct Run<'a> {
+    discs: &'a CoarseDiscs,
+    /// Which disc's weights taps are to get, and where these begin.
+    waiting: Vec<(Arc<Disc>, usize)>,
 }
 
 impl CoarseDiscs {
-    /// Calls back for each vertex that an odd one updates, by slot, with its weight. Cost: the disc's rings; once for each
-    /// kind of disc what solving it takes.
+    pub(super) fn run(&self) -> Run<'_> {
+        Run { discs: self, waiting: Vec::new() }
+    }
+
+    fn disc(&self, key: &[u64]) -> Arc<Disc> {
+        // Whole discs go in, so a panic of another thread leaves nothing half done.
+        let mut met = self.met.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(ByKey(disc)) = met.get(key) {
+            return disc.clone();
+        }
+        let disc = Arc::new(Disc { key: key.into(), weights: OnceLock::new() });
+        met.insert(ByKey(disc.clone()));
+        disc
+    }
+}
+
+impl Run<'_> {
+    /// Adds a tap, by slot, for each vertex that an odd one updates; its weight may be missing until [`Run::finish`]. Cost: the
+    /// disc's rings.
     pub(super) fn updated(
-        &self,
+        &mut self,
         solver: &WeightSolver,
         (layout, rings): (&Layout, &Rings),
         (odd, k): (Odd, u8),
         scratch: &mut Scratch,
-        mut found: impl FnMut(u32, i32),
+        taps: &mut Vec<(u32, i32)>,
     ) {
         let site = layout.odd_site(odd);
         let parents = layout.parents(site).map(|site| layout.slot(site).0);
         if is_on_sharp(layout, site) || !scratch.look_at(rings, parents, k) {
             let stencil = solver.stencil(layout, site, Wavelet::Disc(k));
-            let taps = stencil.vertices.iter().zip(&stencil.weights);
-            taps.for_each(|(&v, &weight)| found(layout.slot(v).0, weight));
+            taps.extend(stencil.vertices.iter().map(|&v| layout.slot(v).0).zip(stencil.weights));
             return;
         }
-        let solved = || self.solved.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = solved().get(scratch.key.as_slice()).cloned();
-        let weights = known.unwrap_or_else(|| {
-            let weights: Arc<[i32]> = solve(&scratch.key, scratch.disc.len()).into();
-            solved().insert(scratch.key.clone(), weights.clone());
-            weights
-        });
-        scratch.disc.iter().zip(&*weights).for_each(|(&slot, &weight)| found(slot, weight));
+        self.waiting.push((self.discs.disc(&scratch.key), taps.len()));
+        taps.extend(scratch.disc.iter().map(|&slot| (slot, 0)));
+    }
+
+    /// Solves what is to be solved, and fills in the weights.
+    pub(super) fn finish(self, taps: &mut [(u32, i32)]) {
+        let discs = self.waiting.iter().map(|(disc, _)| &**disc);
+        let mut unsolved: Vec<&Disc> = discs.filter(|disc| disc.weights.get().is_none()).collect();
+        // Those of a size beside each other: no lane is idle.
+        unsolved.sort_by_key(|disc| (disc.len(), &raw const **disc));
+        unsolved.dedup_by_key(|disc| &raw const **disc);
+        let mut systems = Systems::default();
+        for beside in unsolved.chunks(LANES) {
+            systems.start(beside.iter().map(|disc| disc.len()));
+            beside.iter().enumerate().for_each(|(lane, disc)| assemble(&mut systems, lane, disc));
+            for (disc, weights) in beside.iter().zip(systems.solve()) {
+                // Another thread may have been faster, with the same.
+                let _ = disc.weights.set(weights);
+            }
+        }
+        for (disc, from) in &self.waiting {
+            let weights = disc.weights.get().expect("solved by now");
+            taps[*from..].iter_mut().zip(weights).for_each(|((_, tap), &weight)| *tap = weight);
+        }
     }
 }
 
-/// The weights of a disc, from what it is known by: for each vertex of it the neighbours in it across edges of two faces and of
+/// The system of a disc, from what it is known by: for each vertex of it the neighbours in it across edges of two faces and of
 /// one, and its own faces; then the faces at the halved edge, its ends, and the vertices across either face.
-fn solve(key: &[u64], n: usize) -> Vec<i32> {
-    let (rows, edge) = key.split_at(3 * n);
-    let mut matrix = vec![0.0; n * n];
-    for (at, (row, of)) in matrix.chunks_exact_mut(n.max(1)).zip(rows.chunks_exact(3)).enumerate() {
-        for (neighbour, entry) in row.iter_mut().enumerate() {
-            *entry = (4 * (2 * (of[0] >> neighbour & 1) + (of[1] >> neighbour & 1))) as f64;
+fn assemble(systems: &mut Systems, lane: usize, disc: &Disc) {
+    let (rows, edge) = disc.key.split_at(PER_VERTEX * disc.len());
+    for (at, of) in rows.chunks_exact(PER_VERTEX).enumerate() {
+        for (faces, mut neighbours) in [(2.0, of[0]), (1.0, of[1])] {
+            while neighbours != 0 {
+                systems.set(lane, [at, neighbours.trailing_zeros() as usize], 4.0 * faces);
+                neighbours &= neighbours - 1;
+            }
         }
-        row[at] = (8 * of[2]) as f64;
+        let is = |bits: u64| bits >> at & 1;
+        let right = if is(edge[1]) == 1 { 5 * edge[0] } else { 2 * (is(edge[2]) + is(edge[3])) };
+        systems.set_sides(lane, at, (8 * of[2]) as f64, right as f64);
     }
-    let right: Vec<f64> = (0..n)
-        .map(|at| {
-            let is = |bits: u64| bits >> at & 1;
-            let value = if is(edge[1]) == 1 { 5 * edge[0] } else { 2 * (is(edge[2]) + is(edge[3])) };
-            value as f64
-        })
-        .collect();
-    weights::solve(&matrix, &right)
 }
 
 impl Scratch {
@@ -161,10 +238,14 @@ impl Scratch {
             let around = rings.of(slot);
             // Neighbours in the disc, with a face on the one side of the edge, and on the other.
             let mut beside = [0u64; 2];
-            for (at, &neighbour) in around.iter().enumerate() {
-                let bit = bit(neighbour);
-                for (beside, there) in beside.iter_mut().zip(rings.faces_beside(slot, at)) {
-                    *beside |= if there { bit } else { 0 };
+            if rings.closed[slot as usize] {
+                beside = [around.iter().fold(0, |bits, &neighbour| bits | bit(neighbour)); 2];
+            } else {
+                for (at, &neighbour) in around.iter().enumerate() {
+                    let bit = bit(neighbour);
+                    for (beside, there) in beside.iter_mut().zip(rings.faces_beside(slot, at)) {
+                        *beside |= if there { bit } else { 0 };
+                    }
                 }
             }
             let faces = around.len() as u64 - u64::from(!rings.closed[slot as usize]);

@@ -260,6 +260,7 @@ impl OnLevel<'_> {
 /// The cones on level [`COARSEST`], where odd vertices are told one by one.
 pub(super) struct OnCoarsest<'a> {
     layout: &'a Layout,
+    finer: &'a Layout,
     /// By valence.
     cones: FxHashMap<usize, CoarseCone>,
     /// Those of all apexes, twice round.
@@ -297,7 +298,7 @@ impl CoarseCone {
 }
 
 impl<'a> OnCoarsest<'a> {
-    pub(super) fn new(cones: &Cones, layout: &'a Layout) -> Self {
+    pub(super) fn new(cones: &Cones, (layout, finer): (&'a Layout, &'a Layout)) -> Self {
         let base = layout.base();
         let (mut sectors, mut places) = (Vec::new(), vec![[0; 3]; base.faces().len()]);
         let starts = (0..base.vertex_count()).map(|vertex| {
@@ -312,13 +313,14 @@ impl<'a> OnCoarsest<'a> {
         });
         let starts = starts.collect();
         let cones = cones.iter().map(|(&valence, cone)| (valence, CoarseCone::new(cone, layout))).collect();
-        Self { layout, cones, sectors, starts, places }
+        Self { layout, finer, cones, sectors, starts, places }
     }
 
-    /// Calls back for each vertex that an odd one updates, by slot, if the nearest base vertex is an apex; whether it is. The odd
-    /// vertex is given in a face of the finer level.
-    pub(super) fn updated(&self, (face, b): (u32, [u32; 3]), mut found: impl FnMut(u32, i32)) -> bool {
+    /// Calls back for each vertex that an odd one updates, by slot, if the nearest base vertex is an apex; whether it is.
+    #[inline]
+    pub(super) fn updated(&self, odd: Odd, mut found: impl FnMut(u32, i32)) -> bool {
         let Self { layout, .. } = self;
+        let (face, b) = self.finer.chart(layout.odd_site(odd));
         let (corner, distance) = nearest(b);
         let vertex = layout.base().faces()[face as usize][corner];
         let Some(start) = self.starts[vertex as usize].filter(|_| distance <= NEAREST) else { return false };

@@ -52,18 +52,22 @@ impl ExplicitRows {
         let all_apexes = (0..base.vertex_count()).all(|v| cones::is_apex(base, v));
         if is_coarse(layout, wavelet) {
             let odds: Vec<Odd> = (0..layout.odd_len()).map(Odd).collect();
-            let cones = (layout.level() == cones::COARSEST).then(|| OnCoarsest::new(&known.cones, layout));
+            let at_coarsest = layout.level() == cones::COARSEST;
+            let cones = at_coarsest.then(|| OnCoarsest::new(&known.cones, (layout, finer)));
             // Every odd vertex is near some base vertex.
             let rings = (cones.is_none() || !all_apexes).then(|| Rings::new(layout));
-            let (starts, taps) = collected(&odds, layout.len(), |odd, scratch, found| {
-                let mut each = |slot, weight| found.push((slot, weight));
-                let in_cone =
-                    |cones: &OnCoarsest| cones.updated(finer.chart(layout.odd_site(odd)), &mut each);
-                if !cones.as_ref().is_some_and(in_cone) {
-                    let rings = rings.as_ref().expect("no cone for want of an apex alone");
-                    known.coarse.updated(&known.solver, (layout, rings), (odd, k), scratch, &mut each);
-                }
-            });
+            let (starts, taps) =
+                collected(&odds, layout.len(), cones.as_ref(), |run, scratch, found, ends| {
+                    let mut discs = known.coarse.run();
+                    for &odd in run {
+                        if !cones.as_ref().is_some_and(|cones| cones.updated(odd, |_, _| {})) {
+                            let rings = rings.as_ref().expect("no cone for want of an apex alone");
+                            discs.updated(&known.solver, (layout, rings), (odd, k), scratch, found);
+                        }
+                        ends.push(found.len());
+                    }
+                    discs.finish(found);
+                });
             return Self { numbers: FxHashMap::default(), slots: Vec::new(), starts, taps };
         }
         let mut sites = if all_apexes { Vec::new() } else { irregular_sites(layout, wavelet) };
@@ -82,14 +86,17 @@ impl ExplicitRows {
             .collect();
         odds.par_sort_unstable();
         odds.dedup();
-        let (mut starts, mut taps) = collected(&odds, sites.len() as u32, |odd, _, found| {
-            let site = layout.odd_site(odd);
-            let solve = || known.solver.stencil(layout, site, wavelet);
-            let stencil = known.regular.stencil(layout, site).unwrap_or_else(solve);
-            for (v, weight) in stencil.vertices.into_iter().zip(stencil.weights) {
-                if let Some(&row) = numbers.get(&layout.slot(v).0) {
-                    found.push((row, weight));
+        let (mut starts, mut taps) = collected(&odds, sites.len() as u32, None, |run, _, found, ends| {
+            for &odd in run {
+                let site = layout.odd_site(odd);
+                let solve = || known.solver.stencil(layout, site, wavelet);
+                let stencil = known.regular.stencil(layout, site).unwrap_or_else(solve);
+                for (v, weight) in stencil.vertices.into_iter().zip(stencil.weights) {
+                    if let Some(&row) = numbers.get(&layout.slot(v).0) {
+                        found.push((row, weight));
+                    }
                 }
+                ends.push(found.len());
             }
         });
         let cones: FxHashMap<usize, OnLevel> =
@@ -121,37 +128,44 @@ impl ExplicitRows {
     }
 }
 
-/// What odd vertices update, by row: where each begins, and the taps, which stay in the order of the odd vertices.
+/// What odd vertices update, by row: where each begins, and the taps, which stay in the order of the odd vertices. `updated` tells
+/// for a run of them what each updates that no cone tells, and where that ends.
 fn collected(
     odds: &[Odd],
     count: u32,
-    updated: impl Fn(Odd, &mut Scratch, &mut Vec<(u32, i32)>) + Sync,
+    cones: Option<&OnCoarsest>,
+    updated: impl Fn(&[Odd], &mut Scratch, &mut Vec<(u32, i32)>, &mut Vec<usize>) + Sync,
 ) -> (Vec<u32>, Vec<(Odd, i32)>) {
-    // What each odd vertex of a run updates, and where that ends.
     let of_run = |scratch: &mut Scratch, run: &[Odd]| {
-        let (mut found, mut ends) = (Vec::with_capacity(24 * run.len()), Vec::with_capacity(run.len()));
-        for &odd in run {
-            updated(odd, scratch, &mut found);
-            ends.push(found.len());
-        }
+        let (mut found, mut ends) = (Vec::new(), Vec::with_capacity(run.len()));
+        updated(run, scratch, &mut found, &mut ends);
         (found, ends)
     };
     let per_run = (odds.len() / 64).max(RUN);
     let by_odd: Vec<_> = odds.par_chunks(per_run).map_init(Scratch::default, of_run).collect();
+    // What cones tell is asked twice: that is less work than keeping it.
     let mut starts = vec![0; count as usize + 1];
-    by_odd.iter().flat_map(|(found, _)| found).for_each(|&(row, _)| starts[row as usize + 1] += 1);
+    let mut count_one = |row: u32| starts[row as usize + 1] += 1;
+    by_odd.iter().flat_map(|(found, _)| found).for_each(|&(row, _)| count_one(row));
+    if let Some(cones) = cones {
+        odds.iter().for_each(|&odd| _ = cones.updated(odd, |row, _| count_one(row)));
+    }
     for row in 0..count as usize {
         starts[row + 1] += starts[row];
     }
     let mut next = starts.clone();
     let mut taps = vec![(Odd(0), 0); starts[count as usize] as usize];
+    let mut put = |row: u32, odd: Odd, weight: i32| {
+        let at = &mut next[row as usize];
+        taps[*at as usize] = (odd, weight);
+        *at += 1;
+    };
     for (run, (found, ends)) in odds.chunks(per_run).zip(&by_odd) {
         let mut from = 0;
         for (&odd, &end) in run.iter().zip(ends) {
-            for &(row, weight) in &found[from..end] {
-                let at = &mut next[row as usize];
-                taps[*at as usize] = (odd, weight);
-                *at += 1;
+            found[from..end].iter().for_each(|&(row, weight)| put(row, odd, weight));
+            if let Some(cones) = cones {
+                cones.updated(odd, |row, weight| put(row, odd, weight));
             }
             from = end;
         }

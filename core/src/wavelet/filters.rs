@@ -60,6 +60,7 @@ impl Filters {
         let regular = regular_taps(&known.solver, wavelet);
         let layouts = |level: Level| (hierarchy.layout(level), hierarchy.layout(level.finer()));
         let explicit = (0..hierarchy.finest().0)
+            .into_par_iter()
             .map(|j| ExplicitRows::new(&known, layouts(Level(j)), wavelet))
             .collect();
         let taps = regular.iter().flat_map(|row| row.taps.iter().map(|&(di, w)| (row.dr, di, w)));

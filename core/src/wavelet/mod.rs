@@ -10,6 +10,7 @@ pub mod lifting;
 mod regular_disc;
 mod regularity;
 pub mod rows;
+mod solving;
 pub mod weights;
 
 pub use filters::{Filters, ValenceTooHigh};

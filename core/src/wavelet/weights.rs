@@ -9,8 +9,8 @@
 //! within `k` edges along the curve.
 
 use super::Wavelet;
+use super::solving::solve;
 use crate::hierarchy::{Layout, Ring, Site};
-use pulp::{Arch, Simd, WithSimd};
 use rustc_hash::FxHashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -182,80 +182,4 @@ impl System {
         }
         solve(&matrix, &entries.collect::<Vec<f64>>())
     }
-}
-
-/// Solves a positive definite system, its whole matrix row by row, by LDLᵀ in f64, improves the answer once by its residual
-/// (which the integer matrix gives almost exactly), and rounds it to weights. `+ − × ÷` alone, each entry in a fixed order: the
-/// same bits on every machine, however many entries its instructions take at once.
-pub(super) fn solve(matrix: &[f64], right: &[f64]) -> Vec<i32> {
-    Arch::new().dispatch(Solve { matrix, right })
-}
-
-struct Solve<'a> {
-    matrix: &'a [f64],
-    right: &'a [f64],
-}
-
-impl WithSimd for Solve<'_> {
-    type Output = Vec<i32>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<i32> {
-        let n = self.right.len();
-        if n == 0 {
-            return Vec::new();
-        }
-        // Discs are listed from the middle. Vertices at the rim have few neighbours, so from there most of a column is zero and
-        // stays so. A symmetric matrix is turned round like a list.
-        let backwards = |numbers: &[f64]| numbers.iter().rev().copied().collect::<Vec<f64>>();
-        let (matrix, right) = (backwards(self.matrix), backwards(self.right));
-        // Column after column is taken off the rest; `upper` has Lᵀ row by row, and what is left of the matrix.
-        let (mut upper, mut diagonal) = (matrix.clone(), vec![0.0; n]);
-        for m in 0..n {
-            let (above, below) = upper.split_at_mut((m + 1) * n);
-            let column = &mut above[m * n..];
-            diagonal[m] = column[m];
-            column[m + 1..].iter_mut().for_each(|x| *x /= diagonal[m]);
-            for (i, row) in (m + 1..n).zip(below.chunks_exact_mut(n)) {
-                let own = column[i];
-                if own == 0.0 {
-                    continue;
-                }
-                for (x, &other) in row[i..].iter_mut().zip(&column[i..]) {
-                    *x -= other * own * diagonal[m];
-                }
-            }
-        }
-        let mut s = substituted(&upper, &diagonal, right.clone());
-        let mut residual = right;
-        for (&s, column) in s.iter().zip(matrix.chunks_exact(n)) {
-            for (left, &entry) in residual.iter_mut().zip(column) {
-                *left -= entry * s;
-            }
-        }
-        for (s, correction) in s.iter_mut().zip(substituted(&upper, &diagonal, residual)) {
-            *s += correction;
-        }
-        s.iter().rev().map(|s| (s * f64::from(1 << WEIGHT_BITS)).round() as i32).collect()
-    }
-}
-
-/// Solves with the factors of a matrix.
-#[inline(always)]
-fn substituted(upper: &[f64], diagonal: &[f64], mut x: Vec<f64>) -> Vec<f64> {
-    let n = x.len();
-    for m in 0..n {
-        let known = x[m];
-        for (x, &factor) in x[m + 1..].iter_mut().zip(&upper[m * n + m + 1..(m + 1) * n]) {
-            *x -= factor * known;
-        }
-    }
-    for i in (0..n).rev() {
-        let (x, known) = x[i..].split_first_mut().expect("one at least");
-        *x /= diagonal[i];
-        for (&known, &factor) in known.iter().zip(&upper[i * n + i + 1..(i + 1) * n]) {
-            *x -= factor * known;
-        }
-    }
-    x
 }
