@@ -5,10 +5,11 @@ use super::chart::Chart;
 use super::face_blocks::FaceBlock;
 use super::points::Points;
 use super::predict::Difference;
+use super::prefetch::{Purpose, prefetch};
 use super::strip::Strip;
 use super::update::{Direction, Update};
 use super::window::{HALO, STRIP, Window, row_place};
-use super::{Engine, stored_details, stored_row};
+use super::{Engine, stored_detail_rows, stored_details, stored_row};
 use std::ops::Range;
 
 /// What a face writes: its details and its even vertices.
@@ -29,12 +30,13 @@ impl Engine<'_> {
         let n = chart.n();
         let stencils = window.place(self.filters.stencil());
         let points = Points::all(chart.coarse, chart.fine, finer);
-        border.collect(chart, &points);
+        border.collect(self.arch, chart, &points);
         let mut exact = true;
         for first in (0..=n).step_by(STRIP as usize) {
-            let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
+            let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n), arch: self.arch };
             window.start(first as u32);
             for r in -HALO..=n - first + HALO {
+                self.prefetch_for_analysis(chart, (strip, r), finer, output);
                 let used = window.used(n, r);
                 let row = window.row(r);
                 let (even, odd) =
@@ -59,6 +61,25 @@ impl Engine<'_> {
             }
         }
         exact
+    }
+
+    /// Has what the next row reads and writes fetched.
+    #[inline(always)]
+    fn prefetch_for_analysis<const N: usize>(
+        &self,
+        chart: &Chart,
+        (strip, r): (Strip, i32),
+        finer: &[[i32; N]],
+        output: &Output<N>,
+    ) {
+        for rho in [2 * r + 2, 2 * r + 3] {
+            let row = stored_row(chart, rho, finer);
+            prefetch(self.arch, &row[strip.share(row.len(), 2)], Purpose::Read);
+        }
+        for (range, per_column) in stored_detail_rows(chart, r + 1) {
+            let row = &output.details.interior[range];
+            prefetch(self.arch, &row[strip.share(row.len(), per_column)], Purpose::Write);
+        }
     }
 
     /// Makes details of row `r` of `H` and of the row before it of `V` and `D`.

@@ -7,11 +7,16 @@
 use super::chart::Chart;
 use super::corner::Corner;
 use super::points::Points;
+use super::prefetch::{Purpose, prefetch};
 use super::window::HALO;
+use pulp::Arch;
 use std::ops::Range;
 
 /// Lines per edge: the edge itself, and as many steps of level j + 1 beyond it as any stencil reaches.
 const LINES: usize = 2 * HALO as usize + 1;
+
+/// So many rows before it is needed a part of a row is fetched.
+const AHEAD: i32 = 16;
 
 /// Values on and beyond the edges of a face, in the order of the rows `ρ` and columns of its unfolded grid: beyond edge 0
 /// `−ρ` by column, so many rows as there are lines; at edges 1 and 2 so many values a row.
@@ -49,7 +54,7 @@ impl<const N: usize> Border<N> {
     }
 
     /// Collects what lies around a face.
-    pub(super) fn collect(&mut self, chart: &Chart, points: &Points<N>) {
+    pub(super) fn collect(&mut self, arch: Arch, chart: &Chart, points: &Points<N>) {
         self.corners.iter_mut().for_each(|corner| corner.collect(chart, points));
         let n = self.n as i32;
         for (k, values) in self.edges.iter_mut().enumerate() {
@@ -77,14 +82,23 @@ impl<const N: usize> Border<N> {
                         (1..n - h).for_each(|p| put(p, h, row.at(p)));
                     }
                 }
+                // Of each row only its end is needed, or only its beginning.
                 1 => {
                     for p in 1..n - 1 {
+                        if p + AHEAD < n - 1 {
+                            let row = points.row(side.face, (p + AHEAD) as u32);
+                            prefetch(arch, row.last(lines as usize), Purpose::Read);
+                        }
                         let row = points.row(side.face, p as u32);
                         (1..lines.min(n - p)).for_each(|h| put(p, h, row.at(n - h - p)));
                     }
                 }
                 _ => {
                     for q in 1..n - 1 {
+                        if q + AHEAD < n - 1 {
+                            let row = points.row(side.face, (q + AHEAD) as u32);
+                            prefetch(arch, row.first(lines as usize), Purpose::Read);
+                        }
                         let row = points.row(side.face, q as u32);
                         (1..lines.min(n - q)).for_each(|h| put(n - h - q, h, row.at(h)));
                     }

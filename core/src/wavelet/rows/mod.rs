@@ -19,6 +19,7 @@ mod pairs;
 mod patch;
 mod points;
 mod predict;
+mod prefetch;
 mod stencil;
 mod strip;
 mod synthesis;
@@ -234,6 +235,18 @@ fn stored_details(chart: &Chart, rho: i32) -> Range<usize> {
     }
     let start = chart.coarse.odd_row_start(rho as u32) as usize;
     start..start + (n - rho - 1) as usize
+}
+
+/// Where the details of row `2R` of the fine grid and of the row before it lie, with how many there are for each column.
+fn stored_detail_rows(chart: &Chart, r: i32) -> [(Range<usize>, i32); 2] {
+    let n = chart.n();
+    let even = if (1..n).contains(&r) {
+        let start = chart.coarse.odd_row_start(2 * r as u32) as usize;
+        start..start + (n - r) as usize
+    } else {
+        0..0
+    };
+    [(stored_details(chart, 2 * r - 1), 2), (even, 1)]
 }
 
 /// One level of analysis, into new storage.

@@ -327,7 +327,7 @@ impl<const N: usize> Refinement<'_, N> {
         let n = self.fine.segments() as i32;
         let Scratch { a, b, merged } = scratch;
         merged.resize(2 * a.len(), [0; N]);
-        pairs::merge(a, b, merged);
+        pairs::merge(self.arch, a, b, merged);
         let first = 2 * columns.start;
         let end = (2 * columns.end).min(n - rho + 1);
         let steps = &merged[..(end - first) as usize];

@@ -19,7 +19,17 @@ pub(super) struct Line<'a, const N: usize> {
     halved: bool,
 }
 
-impl<const N: usize> Line<'_, N> {
+impl<'a, const N: usize> Line<'a, N> {
+    /// What is stored of the first places, at most so many.
+    pub(super) fn first(&self, count: usize) -> &'a [[i32; N]] {
+        &self.values[..count.min(self.values.len())]
+    }
+
+    /// What is stored of the last places, at most so many.
+    pub(super) fn last(&self, count: usize) -> &'a [[i32; N]] {
+        &self.values[self.values.len().saturating_sub(count)..]
+    }
+
     /// The value at a place.
     #[inline(always)]
     pub(super) fn at(&self, place: i32) -> [i32; N] {

@@ -5,6 +5,7 @@ use super::chart::Chart;
 use super::face_blocks::FaceBlock;
 use super::pairs;
 use super::window::HALO;
+use pulp::Arch;
 use std::ops::Range;
 
 /// A strip of a face: some columns of even vertices.
@@ -14,6 +15,8 @@ pub(super) struct Strip {
     pub(super) first: i32,
     /// The last.
     pub(super) last: i32,
+    /// What its rows are moved with.
+    pub(super) arch: Arch,
 }
 
 impl Strip {
@@ -55,7 +58,7 @@ impl Strip {
         if from <= to {
             let columns = (from - left) as usize..(to - left + 1) as usize;
             let stored = &stored[(2 * from - 1) as usize..(2 * to + 1) as usize];
-            pairs::split(stored, &mut a[columns.clone()], &mut b[columns]);
+            pairs::split(self.arch, stored, &mut a[columns.clone()], &mut b[columns]);
         }
     }
 
@@ -126,7 +129,7 @@ impl Strip {
         if from <= to {
             let columns = (from - left) as usize..(to - left + 1) as usize;
             let stored = &mut stored[(2 * from - 1) as usize..(2 * to + 1) as usize];
-            pairs::merge(&a[columns.clone()], &b[columns], stored);
+            pairs::merge(self.arch, &a[columns.clone()], &b[columns], stored);
         }
         // What is inside but in no whole pair.
         for i in [1, inside] {

@@ -5,11 +5,12 @@ use super::chart::Chart;
 use super::face_blocks::FaceBlock;
 use super::points::Points;
 use super::predict::Sum;
+use super::prefetch::{Purpose, prefetch};
 use super::stencil::PlacedStencil;
 use super::strip::Strip;
 use super::update::{Direction, Update};
 use super::window::{HALO, STRIP, Window, row_place};
-use super::{Engine, row_range, stored_details};
+use super::{Engine, row_range, stored_detail_rows, stored_details};
 use crate::hierarchy::Layout;
 use crate::wavelet::lifting::{minus, rounded};
 
@@ -36,12 +37,13 @@ impl Engine<'_> {
         let start = chart.coarse.odd_face_start(chart.face) as usize;
         let own = &details[start..];
         let points = Points::odd(chart.coarse, chart.fine, details);
-        border.collect(chart, &points);
+        border.collect(self.arch, chart, &points);
         let mut exact = true;
         for first in (0..=n).step_by(STRIP as usize) {
-            let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n) };
+            let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n), arch: self.arch };
             window.start(first as u32);
             for r in -HALO..=n - first + HALO {
+                self.prefetch_for_synthesis(chart, (strip, r), (coarser, own), finer);
                 read_details(chart, (strip, r), window, border, own);
                 let even = r - HALO + 1;
                 if (0..=n - first).contains(&even) {
@@ -51,6 +53,30 @@ impl Engine<'_> {
             }
         }
         exact
+    }
+
+    /// Has what the next row reads and writes fetched.
+    #[inline(always)]
+    fn prefetch_for_synthesis<const N: usize>(
+        &self,
+        chart: &Chart,
+        (strip, r): (Strip, i32),
+        (coarser, own): (&[[i32; N]], &[[i32; N]]),
+        finer: &FaceBlock<[i32; N]>,
+    ) {
+        for (range, per_column) in
+            [stored_detail_rows(chart, r + 1)[1].clone(), (stored_details(chart, 2 * r + 3), 2)]
+        {
+            let row = &own[range];
+            prefetch(self.arch, &row[strip.share(row.len(), per_column)], Purpose::Read);
+        }
+        let even = r - HALO + 2;
+        let evens = even_row(chart, even, coarser);
+        prefetch(self.arch, &evens[strip.share(evens.len(), 1)], Purpose::Read);
+        for rho in [2 * even - 1, 2 * even] {
+            let row = &finer.interior[row_range(chart, rho)];
+            prefetch(self.arch, &row[strip.share(row.len(), 2)], Purpose::Write);
+        }
     }
 
     /// The even vertices of a row, one beyond the strip included.
@@ -127,6 +153,16 @@ impl Engine<'_> {
         }
         exact
     }
+}
+
+/// Row `r` of the even vertices inside a face.
+fn even_row<'a, const N: usize>(chart: &Chart, r: i32, coarser: &'a [[i32; N]]) -> &'a [[i32; N]] {
+    let n = chart.n();
+    if !(1..n - 1).contains(&r) {
+        return &[];
+    }
+    let start = chart.coarse.row(chart.face, r as u32).index();
+    &coarser[start..start + (n - r - 1) as usize]
 }
 
 /// Reads the details of row `2R` of the unfolded fine grid and of the row after it.
