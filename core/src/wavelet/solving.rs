@@ -117,9 +117,8 @@ impl Systems {
             values.resize(len, [0.0; LANES]);
         }
         for (i, diagonal) in self.diagonal.iter_mut().enumerate() {
-            for lane in 0..LANES {
-                diagonal[lane] = f64::from(self.sizes.get(lane).is_none_or(|&size| i >= size));
-            }
+            let filled = |lane: usize| self.sizes.get(lane).is_none_or(|&size| i >= size);
+            *diagonal = each(|lane| f64::from(filled(lane)));
         }
     }
 
