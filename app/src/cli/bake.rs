@@ -2,6 +2,7 @@
 
 use super::input::{LogArgs, load_complete, tell};
 use super::output;
+use super::progress::Busy;
 use anyhow::Result;
 use bozzetto_core::file::encode;
 use std::path::PathBuf;
@@ -27,6 +28,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     output::check_lone_wavelet_file(&args.output)?;
     let (model, notes) = load_complete(&args.file, args.log.options())?;
     tell(notes);
+    let busy = Busy::new("Writing");
     output::replace(&args.output, &encode(&model))?;
+    drop(busy);
     output::print(&format!("hash {}\n", model.surface.hash()))
 }

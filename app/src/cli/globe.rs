@@ -3,6 +3,7 @@
 use super::form::FormArgs;
 use super::info::Info;
 use super::output;
+use super::progress::Busy;
 use crate::opening::metadata_of;
 use anyhow::{Context, Result};
 use bozzetto_core::conversion::{EquirectangularGrid, GridMeaning, globe};
@@ -47,6 +48,7 @@ pub(super) struct Args {
 /// The picture cannot be read, makes no globe, or the file cannot be written.
 pub(super) fn run(args: &Args) -> Result<()> {
     output::check_lone_wavelet_file(&args.output)?;
+    let busy = Busy::new("Making the globe");
     let grid = read_grid(&args.image)?;
     let meaning = if args.radius_grid {
         GridMeaning::Radius
@@ -60,6 +62,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let model = Model::new(surface, None, metadata_of(&args.image));
     let bytes = encode(&model);
     output::replace(&args.output, &bytes)?;
+    drop(busy);
     let info = Info::of(&model, bytes.len() as u64);
     if args.json { output::print_json(&info) } else { output::print(&info.text()) }
 }

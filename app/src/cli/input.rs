@@ -1,5 +1,6 @@
 //! Inputs of commands: a wavelet file with its log, or a mesh.
 
+use super::progress::Busy;
 use crate::opening::{ImportOptions, MeshSource, import};
 use anyhow::{Result, bail};
 use bozzetto_core::conversion::{ConversionOptions, Remesh};
@@ -57,6 +58,7 @@ pub fn load(path: &Path, options: OpenOptions) -> Result<Loaded> {
             path.display()
         );
     }
+    let _busy = Busy::new(OPENING);
     Ok(Loaded::Mesh(read_mesh(path)?))
 }
 
@@ -67,12 +69,20 @@ pub(super) fn tell(notes: Vec<String>) {
     }
 }
 
+/// What is said of an input that takes long.
+const OPENING: &str = "Opening";
+
+fn opened(path: &Path, options: OpenOptions) -> Result<(Model, Vec<String>)> {
+    let _busy = Busy::new(OPENING);
+    Ok(open_model(&Disk, path, options)?)
+}
+
 /// Loads a wavelet file with its log; notes go to stderr.
 ///
 /// # Errors
 /// The files cannot be read or do not fit together.
 pub(super) fn load_model(path: &Path, options: OpenOptions) -> Result<Model> {
-    let (model, notes) = open_model(&Disk, path, options)?;
+    let (model, notes) = opened(path, options)?;
     tell(notes);
     Ok(model)
 }
@@ -82,7 +92,7 @@ pub(super) fn load_model(path: &Path, options: OpenOptions) -> Result<Model> {
 /// # Errors
 /// The files cannot be read, do not fit together or end early.
 pub(super) fn load_complete(path: &Path, options: OpenOptions) -> Result<(Model, Vec<String>)> {
-    let (model, notes) = open_model(&Disk, path, options)?;
+    let (model, notes) = opened(path, options)?;
     if !model.complete {
         bail!("{} is incomplete: it ends before its end marker; get the rest of the file", path.display());
     }
@@ -112,6 +122,7 @@ pub(super) fn load_surface(path: &Path, options: OpenOptions) -> Result<Model> {
             let never = ImportOptions { conversion, form: FormOptions::default() };
             let name = path.display().to_string();
             let source = MeshSource { name, metadata: Metadata::default(), mesh };
+            let _busy = Busy::new(OPENING);
             Ok(import(&source, &never, &|_, _| true)?.model)
         }
     }

@@ -3,7 +3,12 @@
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::cell::OnceCell;
 use std::io::IsTerminal;
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+
+/// What takes no longer is not spoken of.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// A bar that appears after a second, on a terminal only.
 #[derive(Debug)]
@@ -22,7 +27,7 @@ impl Progress {
     /// Shows the share done, from 0 to 1. Always true: a command is cancelled by its signal, and its output is only
     /// ever replaced in one step.
     pub fn report(&self, share: f32) -> bool {
-        if self.begun.elapsed() >= Duration::from_secs(1) && std::io::stderr().is_terminal() {
+        if self.begun.elapsed() >= PATIENCE && std::io::stderr().is_terminal() {
             let bar = self.bar.get_or_init(|| {
                 let style =
                     ProgressStyle::with_template("{msg} {wide_bar} {percent} %").expect("a valid template");
@@ -46,6 +51,51 @@ impl Drop for Progress {
     fn drop(&mut self) {
         if let Some(bar) = self.bar.get() {
             bar.finish_and_clear();
+        }
+    }
+}
+
+/// A line with the time so far that appears after a second, on a terminal only, while something runs that cannot say how much of
+/// it is done.
+#[derive(Debug)]
+pub(super) struct Busy {
+    running: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+impl Busy {
+    /// Begins; `what` is said on the line.
+    pub(super) fn new(what: &'static str) -> Self {
+        let start = || {
+            let (end, ended) = mpsc::channel();
+            let goes_on = move || ended.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout);
+            let begun = Instant::now();
+            let line = std::thread::spawn(move || {
+                if !goes_on() {
+                    return;
+                }
+                let style = ProgressStyle::with_template("{spinner} {msg}").expect("a valid template");
+                let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr()).with_style(style);
+                loop {
+                    bar.set_message(format!("{what}, {} s", begun.elapsed().as_secs()));
+                    bar.tick();
+                    if !goes_on() {
+                        break;
+                    }
+                }
+                bar.finish_and_clear();
+            });
+            (end, line)
+        };
+        Self { running: std::io::stderr().is_terminal().then(start) }
+    }
+}
+
+impl Drop for Busy {
+    fn drop(&mut self) {
+        if let Some((end, line)) = self.running.take() {
+            drop(end);
+            // It has nothing to say but the line.
+            let _ = line.join();
         }
     }
 }

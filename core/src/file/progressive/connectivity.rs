@@ -4,7 +4,7 @@
 //! and a vertex its number only where that is not the lowest one unused.
 
 use super::range_coder::{Coder, Decoder, Encoder, Model};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::VecDeque;
 
 /// A base mesh's faces, from their lowest vertex, sorted; and the ends of its sharp edges, sorted.
@@ -59,11 +59,14 @@ struct Walk {
     lowest: u32,
     /// Directed edges that a face yet to come may hold, in the order they opened.
     open: VecDeque<[u32; 2]>,
-    /// Of the open edges, the ends by start and the starts by end, in the order they opened.
+    /// Of the open edges, the ends by start and the starts by end, in the order they opened. Those that are open no more are
+    /// taken out when they are the last.
     from: FxHashMap<u32, Vec<u32>>,
     to: FxHashMap<u32, Vec<u32>>,
     /// Directed edges of faces that were told.
-    covered: FxHashMap<[u32; 2], ()>,
+    covered: FxHashSet<[u32; 2]>,
+    /// Directed edges at which the walk has been.
+    passed: FxHashSet<[u32; 2]>,
     models: WalkModels,
 }
 
@@ -84,7 +87,8 @@ impl Walk {
             open: VecDeque::new(),
             from: FxHashMap::default(),
             to: FxHashMap::default(),
-            covered: FxHashMap::default(),
+            covered: FxHashSet::default(),
+            passed: FxHashSet::default(),
             models: WalkModels {
                 face: Model::new(65000, 4),
                 answers: [[Model::EVEN; 3]; 4],
@@ -109,17 +113,15 @@ impl Walk {
         let mut told = Vec::new();
         while told.len() < count {
             let Some([a, b]) = self.open.pop_front() else {
-                let seed =
-                    seeds.find(|f| !self.covered.contains_key(&[f[0], f[1]])).copied().unwrap_or_default();
+                let seed = seeds.find(|f| !self.covered.contains(&[f[0], f[1]])).copied().unwrap_or_default();
                 let face = [0, 1, 2].map(|k| self.any_vertex(coder, seed[k]));
                 told.push(self.tell(coder, face)?);
                 continue;
             };
-            if self.covered.contains_key(&[a, b]) {
+            if self.covered.contains(&[a, b]) {
                 continue;
             }
-            close(&mut self.from, a, b);
-            close(&mut self.to, b, a);
+            self.passed.insert([a, b]);
             let third = opposite.get(&[a, b]).copied();
             if coder.bit(&mut self.models.face, third.is_some()) {
                 let third = self.third(coder, [a, b], third.unwrap_or_default());
@@ -134,8 +136,10 @@ impl Walk {
     /// The third corner at an open edge: an unused vertex, the end of the last open edge that leaves b, the start of the
     /// last one that reaches a, or another.
     fn third<C: Coder>(&mut self, coder: &mut C, [a, b]: [u32; 2], third: u32) -> u32 {
-        let last = |ends: &FxHashMap<u32, Vec<u32>>, v| ends.get(&v).and_then(|list| list.last()).copied();
-        let (after, before) = (last(&self.from, b), last(&self.to, a));
+        let Self { from, to, covered, passed, .. } = self;
+        let is_open = |edge| !covered.contains(&edge) && !passed.contains(&edge);
+        let after = last_open(from, b, |end| is_open([b, end]));
+        let before = last_open(to, a, |start| is_open([start, a]));
         let context = match (after, before) {
             (None, None) => 0,
             (Some(x), Some(y)) if x == y => 3,
@@ -205,12 +209,10 @@ impl Walk {
             return Err(WRONG);
         }
         for [v, w] in [[a, b], [b, c], [c, a]] {
-            if self.covered.insert([v, w], ()).is_some() {
+            if !self.covered.insert([v, w]) {
                 return Err(WRONG);
             }
-            close(&mut self.from, v, w);
-            close(&mut self.to, w, v);
-            if !self.covered.contains_key(&[w, v]) {
+            if !self.covered.contains(&[w, v]) {
                 self.open.push_back([w, v]);
                 self.from.entry(w).or_default().push(v);
                 self.to.entry(v).or_default().push(w);
@@ -220,11 +222,11 @@ impl Walk {
     }
 }
 
-/// An edge that is no longer open.
-fn close(ends: &mut FxHashMap<u32, Vec<u32>>, of: u32, end: u32) {
-    if let Some(list) = ends.get_mut(&of) {
-        list.retain(|&x| x != end);
-    }
+/// The other end of the last edge at a vertex that is still open. However many there are, each is taken out once.
+fn last_open(ends: &mut FxHashMap<u32, Vec<u32>>, of: u32, is_open: impl Fn(u32) -> bool) -> Option<u32> {
+    let list = ends.get_mut(&of)?;
+    while list.pop_if(|end| !is_open(*end)).is_some() {}
+    list.last().copied()
 }
 
 #[cfg(test)]
@@ -261,6 +263,25 @@ mod tests {
                 assert!(decode_base(&bytes[..bytes.len() / 2], vertices, faces.len()).is_err(), "{name}");
             }
         }
+    }
+
+    /// Where a walk's front is long and every other edge of it leads to one vertex, a hundred thousand edges there are open at
+    /// once. To search through them would take time by its square.
+    #[test]
+    fn many_open_edges_at_a_vertex_are_not_searched() {
+        let (mut faces, mut front, mut next) = (vec![[0, 1, 2]], vec![[1, 0], [2, 1], [0, 2]], 3);
+        for _ in 0..16 {
+            let grown = front.iter().flat_map(|&[a, b]| {
+                next += 1;
+                faces.push([a, b, next - 1]);
+                [[a, next - 1], [next - 1, b]]
+            });
+            front = grown.collect();
+        }
+        faces.extend(front.iter().step_by(2).map(|&[a, b]| [a, b, next]));
+        let faces = canonical(&faces);
+        let bytes = encode_base(next + 1, &faces, &[]);
+        assert!(decode_base(&bytes, next + 1, faces.len()) == Ok((faces, Vec::new())));
     }
 
     proptest! {

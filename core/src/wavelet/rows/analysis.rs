@@ -9,7 +9,7 @@ use super::prefetch::{Purpose, prefetch};
 use super::strip::Strip;
 use super::update::{Direction, Update};
 use super::window::{HALO, STRIP, Window, row_place};
-use super::{Engine, stored_detail_rows, stored_details, stored_row};
+use super::{Engine, stored_details, stored_even_row_details, stored_row};
 use std::ops::Range;
 
 /// What a face writes: its details and its even vertices.
@@ -76,7 +76,8 @@ impl Engine<'_> {
             let row = stored_row(chart, rho, finer);
             prefetch(self.arch, &row[strip.share(row.len(), 2)], Purpose::Read);
         }
-        for (range, per_column) in stored_detail_rows(chart, r + 1) {
+        let odd = (stored_details(chart, 2 * r + 1), 2);
+        for (range, per_column) in [odd, (stored_even_row_details(chart, r + 1), 1)] {
             let row = &output.details.interior[range];
             prefetch(self.arch, &row[strip.share(row.len(), per_column)], Purpose::Write);
         }

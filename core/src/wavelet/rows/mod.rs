@@ -237,16 +237,14 @@ fn stored_details(chart: &Chart, rho: i32) -> Range<usize> {
     start..start + (n - rho - 1) as usize
 }
 
-/// Where the details of row `2R` of the fine grid and of the row before it lie, with how many there are for each column.
-fn stored_detail_rows(chart: &Chart, r: i32) -> [(Range<usize>, i32); 2] {
+/// Where the details of row `2R` lie, of which every second vertex is odd; empty outside the face.
+fn stored_even_row_details(chart: &Chart, r: i32) -> Range<usize> {
     let n = chart.n();
-    let even = if (1..n).contains(&r) {
-        let start = chart.coarse.odd_row_start(2 * r as u32) as usize;
-        start..start + (n - r) as usize
-    } else {
-        0..0
-    };
-    [(stored_details(chart, 2 * r - 1), 2), (even, 1)]
+    if !(1..n).contains(&r) {
+        return 0..0;
+    }
+    let start = chart.coarse.odd_row_start(2 * r as u32) as usize;
+    start..start + (n - r) as usize
 }
 
 /// One level of analysis, into new storage.

@@ -10,7 +10,7 @@ use super::stencil::PlacedStencil;
 use super::strip::Strip;
 use super::update::{Direction, Update};
 use super::window::{HALO, STRIP, Window, row_place};
-use super::{Engine, row_range, stored_detail_rows, stored_details};
+use super::{Engine, row_range, stored_details, stored_even_row_details};
 use crate::hierarchy::Layout;
 use crate::wavelet::lifting::{minus, rounded};
 
@@ -64,9 +64,8 @@ impl Engine<'_> {
         (coarser, own): (&[[i32; N]], &[[i32; N]]),
         finer: &FaceBlock<[i32; N]>,
     ) {
-        for (range, per_column) in
-            [stored_detail_rows(chart, r + 1)[1].clone(), (stored_details(chart, 2 * r + 3), 2)]
-        {
+        let odd = (stored_details(chart, 2 * r + 3), 2);
+        for (range, per_column) in [(stored_even_row_details(chart, r + 1), 1), odd] {
             let row = &own[range];
             prefetch(self.arch, &row[strip.share(row.len(), per_column)], Purpose::Read);
         }
