@@ -143,7 +143,7 @@ fn collected(
     };
     let per_run = (odds.len() / 64).max(RUN);
     let by_odd: Vec<_> = odds.par_chunks(per_run).map_init(Scratch::default, of_run).collect();
-    // What cones tell is asked twice: that is less work than keeping it.
+    // What cones tell is asked again each time: that is less work than keeping it.
     let mut starts = vec![0; count as usize + 1];
     let mut count_one = |row: u32| starts[row as usize + 1] += 1;
     by_odd.iter().flat_map(|(found, _)| found).for_each(|&(row, _)| count_one(row));

@@ -122,9 +122,10 @@ impl Engine<'_> {
                     details.put_on_edge(chart, 2 * n, [2 * i + 1, 0], value, half);
                 }
             } else if !part.is_empty() {
-                let from = chart.coarse.odd_row_start(2 * r as u32) as usize + part.start as usize;
+                let stored = &mut details.interior[stored_even_row_details(chart, r)];
                 let count = part.len();
-                details.interior[from..from + count].copy_from_slice(&row.h[column..column + count]);
+                stored[part.start as usize..part.end as usize]
+                    .copy_from_slice(&row.h[column..column + count]);
             }
         }
         if (1..=n).contains(&r) {

@@ -17,13 +17,7 @@ const GROUP: usize = 8;
 
 /// Splits the pairs of a stored row into planes.
 pub(super) fn split<const N: usize>(arch: Arch, pairs: &[[i32; N]], a: &mut [[i32; N]], b: &mut [[i32; N]]) {
-    let mut done = 0;
-    #[cfg(target_arch = "x86_64")]
-    if N == 3
-        && let Arch::V4(v4) = arch
-    {
-        done = avx512::split(v4, pairs.as_flattened(), a.as_flattened_mut(), b.as_flattened_mut());
-    }
+    let done = split_registers(arch, pairs, a, b);
     let (pairs, a, b) = (&pairs[2 * done..], &mut a[done..], &mut b[done..]);
     let mut done = 0;
     if N == 3 {
@@ -47,13 +41,7 @@ pub(super) fn split<const N: usize>(arch: Arch, pairs: &[[i32; N]], a: &mut [[i3
 
 /// Merges two planes into the pairs of a stored row.
 pub(super) fn merge<const N: usize>(arch: Arch, a: &[[i32; N]], b: &[[i32; N]], pairs: &mut [[i32; N]]) {
-    let mut done = 0;
-    #[cfg(target_arch = "x86_64")]
-    if N == 3
-        && let Arch::V4(v4) = arch
-    {
-        done = avx512::merge(v4, a.as_flattened(), b.as_flattened(), pairs.as_flattened_mut());
-    }
+    let done = merge_registers(arch, a, b, pairs);
     let (a, b, pairs) = (&a[done..], &b[done..], &mut pairs[2 * done..]);
     let mut done = 0;
     if N == 3 {
@@ -71,6 +59,46 @@ pub(super) fn merge<const N: usize>(arch: Arch, a: &[[i32; N]], b: &[[i32; N]], 
     let (rest, _) = pairs[2 * done..].as_chunks_mut::<2>();
     for ((pair, a), b) in rest.iter_mut().zip(&a[done..]).zip(&b[done..]) {
         *pair = [*a, *b];
+    }
+}
+
+/// [`split`] of as many pairs as fill whole registers; says how many that are.
+#[inline(always)]
+fn split_registers<const N: usize>(
+    arch: Arch,
+    pairs: &[[i32; N]],
+    a: &mut [[i32; N]],
+    b: &mut [[i32; N]],
+) -> usize {
+    match arch {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(v4) if N == 3 => {
+            avx512::split(v4, pairs.as_flattened(), a.as_flattened_mut(), b.as_flattened_mut())
+        }
+        _ => {
+            let _ = (a, b, pairs);
+            0
+        }
+    }
+}
+
+/// [`merge`] of as many pairs as fill whole registers; says how many that are.
+#[inline(always)]
+fn merge_registers<const N: usize>(
+    arch: Arch,
+    a: &[[i32; N]],
+    b: &[[i32; N]],
+    pairs: &mut [[i32; N]],
+) -> usize {
+    match arch {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(v4) if N == 3 => {
+            avx512::merge(v4, a.as_flattened(), b.as_flattened(), pairs.as_flattened_mut())
+        }
+        _ => {
+            let _ = (a, b, pairs);
+            0
+        }
     }
 }
 

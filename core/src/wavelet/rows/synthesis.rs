@@ -100,9 +100,8 @@ impl Engine<'_> {
         let (from, to) = (part.start.max(1), (part.end - 1).min(n - r - 1));
         if r > 0 && from <= to {
             (part.start..from).chain(to + 1..part.end).for_each(border);
-            let start = chart.coarse.row(chart.face, r as u32).index();
-            row.e[at(from)..=at(to)]
-                .copy_from_slice(&coarser[start + from as usize - 1..start + to as usize]);
+            let evens = even_row(chart, r, coarser);
+            row.e[at(from)..=at(to)].copy_from_slice(&evens[from as usize - 1..to as usize]);
         } else {
             part.clone().for_each(&mut border);
         }
@@ -210,9 +209,8 @@ fn read_details<const N: usize>(
         }
     }
     if from <= to {
-        let start = chart.coarse.odd_row_start(2 * r as u32) as usize;
-        h[(from - left) as usize..=(to - left) as usize]
-            .copy_from_slice(&own[start + from as usize..=start + to as usize]);
+        let row = &own[stored_even_row_details(chart, r)];
+        h[(from - left) as usize..=(to - left) as usize].copy_from_slice(&row[from as usize..=to as usize]);
     }
 }
 
