@@ -5,10 +5,10 @@ use super::chart::Chart;
 use super::face_blocks::FaceBlock;
 use super::points::Points;
 use super::predict::Difference;
-use super::prefetch::{Purpose, prefetch};
+use super::prefetch::{Ahead, Purpose};
 use super::strip::Strip;
-use super::update::{Direction, Update};
-use super::window::{HALO, STRIP, Window, row_place};
+use super::update::Direction;
+use super::window::{Between, HALO, RowMut, STRIP, Window};
 use super::{Engine, stored_details, stored_even_row_details, stored_row};
 use std::ops::Range;
 
@@ -28,7 +28,6 @@ impl Engine<'_> {
         output: &mut Output<N>,
     ) -> bool {
         let n = chart.n();
-        let stencils = window.place(self.filters.stencil());
         let points = Points::all(chart.coarse, chart.fine, finer);
         border.collect(self.arch, chart, &points);
         let mut exact = true;
@@ -36,28 +35,25 @@ impl Engine<'_> {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n), arch: self.arch };
             window.start(first as u32);
             for r in -HALO..=n - first + HALO {
-                self.prefetch_for_analysis(chart, (strip, r), finer, output);
+                let mut ahead = self.ahead_of_analysis(chart, (strip, r), finer, output);
                 let used = window.used(n, r);
-                let row = window.row(r);
-                let (even, odd) =
-                    ([&mut row.e[..used], &mut row.h[..used]], [&mut row.v[..used], &mut row.d[..used]]);
-                strip.read_row(chart, border, 2 * r, stored_row(chart, 2 * r, finer), even);
-                strip.read_row(chart, border, 2 * r + 1, stored_row(chart, 2 * r + 1, finer), odd);
+                let RowMut { e, odds: [h, ..], .. } = window.row(r);
+                let (rho, even) = (2 * r, [&mut e[..used], &mut h[..used]]);
+                strip.read_row(chart, border, rho, stored_row(chart, rho, finer), even);
                 exact &= self.predict(window, n, r);
+                let [_, v, d] = window.row(r).odds;
+                let (rho, odd) = (2 * r + 1, [&mut v[..used], &mut d[..used]]);
+                strip.read_row(chart, border, rho, stored_row(chart, rho, finer), odd);
                 self.store_details(chart, strip, window, r, &mut output.details);
                 let even = r - HALO;
                 if (0..=n - first).contains(&even) {
                     let run = self.regular_run(chart, even, strip);
                     if !run.is_empty() {
-                        let (column, len) = (window.column(run.start), run.len() * N);
-                        let (details, evens) = window.for_update(even);
-                        let (stencil, at) = (&stencils[row_place(even)], (column - HALO as usize) * N);
-                        let evens = &mut evens[column..].as_flattened_mut()[..len];
-                        let direction = Direction::Add;
-                        Update { stencil, direction, details, at, evens }.run(self.arch);
+                        window.update(self.arch, Direction::Add, even, run, &mut ahead);
                     }
                     store_evens(chart, strip, window, even, &mut output.coarser);
                 }
+                ahead.rest();
             }
         }
         exact
@@ -65,38 +61,41 @@ impl Engine<'_> {
 
     /// Has what the next row reads and writes fetched.
     #[inline(always)]
-    fn prefetch_for_analysis<const N: usize>(
+    fn ahead_of_analysis<const N: usize>(
         &self,
         chart: &Chart,
         (strip, r): (Strip, i32),
         finer: &[[i32; N]],
         output: &Output<N>,
-    ) {
+    ) -> Ahead {
+        let mut ahead = Ahead::new(self.arch);
         for rho in [2 * r + 2, 2 * r + 3] {
             let row = stored_row(chart, rho, finer);
-            prefetch(self.arch, &row[strip.share(row.len(), 2)], Purpose::Read);
+            ahead.add(&row[strip.share(row.len(), 2)], Purpose::Read);
         }
         let odd = (stored_details(chart, 2 * r + 1), 2);
         for (range, per_column) in [odd, (stored_even_row_details(chart, r + 1), 1)] {
             let row = &output.details.interior[range];
-            prefetch(self.arch, &row[strip.share(row.len(), per_column)], Purpose::Write);
+            ahead.add(&row[strip.share(row.len(), per_column)], Purpose::Write);
         }
+        ahead
     }
 
     /// Makes details of row `r` of `H` and of the row before it of `V` and `D`.
     #[inline(always)]
     fn predict<const N: usize>(&self, window: &mut Window<N>, n: i32, r: i32) -> bool {
-        let last = window.used(n, r) - 1;
-        let row = window.row(r);
-        let (u, w) = (row.e[..last].as_flattened(), row.e[1..=last].as_flattened());
-        let mut exact = self.arch.dispatch(Difference { odd: row.h[..last].as_flattened_mut(), u, w });
+        let difference = |odd: &[i32], parents: [&[i32]; 2], detail: &mut [i32]| {
+            self.arch.dispatch(Difference { odd, parents, detail })
+        };
+        let count = window.worked(n, r);
+        let Between { upper, details: [detail, ..], odds: [odd, ..], .. } = window.between(r, count);
+        let mut exact = difference(odd, [&upper[..count], &upper[N..]], detail);
         if r > -HALO {
-            let last = window.used(n, r - 1) - 1;
-            let (upper, lower, row) = window.between(r - 1);
-            let (u, w) = (upper[..last].as_flattened(), lower[..last].as_flattened());
-            exact &= self.arch.dispatch(Difference { odd: row.v[..last].as_flattened_mut(), u, w });
-            let (u, w) = (upper[1..=last].as_flattened(), lower[..last].as_flattened());
-            exact &= self.arch.dispatch(Difference { odd: row.d[..last].as_flattened_mut(), u, w });
+            let count = window.worked(n, r - 1);
+            let Between { upper, lower, details: [_, v, d], odds } = window.between(r - 1, count);
+            let lower = &lower[..count];
+            exact &= difference(odds[1], [&upper[..count], lower], v);
+            exact &= difference(odds[2], [&upper[N..], lower], d);
         }
         exact
     }
@@ -115,28 +114,27 @@ impl Engine<'_> {
         if (0..n).contains(&r) {
             let part = strip.part(0, n - r - 1);
             let column = window.column(part.start);
-            let row = window.row(r);
+            let [h, ..] = window.row(r).details;
             if r == 0 {
                 for i in part {
-                    let value = row.h[(i - strip.first + HALO) as usize];
+                    let value = h[(i - strip.first + HALO) as usize];
                     details.put_on_edge(chart, 2 * n, [2 * i + 1, 0], value, half);
                 }
             } else if !part.is_empty() {
                 let stored = &mut details.interior[stored_even_row_details(chart, r)];
                 let count = part.len();
-                stored[part.start as usize..part.end as usize]
-                    .copy_from_slice(&row.h[column..column + count]);
+                stored[part.start as usize..part.end as usize].copy_from_slice(&h[column..column + count]);
             }
         }
         if (1..=n).contains(&r) {
             let rho = 2 * r - 1;
-            let row = window.row(r - 1);
+            let [_, v, d] = window.row(r - 1).details;
             let FaceBlock { interior, edges } = details;
             let stored = &mut interior[stored_details(chart, rho)];
             let mut on_edges =
                 FaceBlock { interior: &mut [], edges: edges.each_mut().map(|e| e.as_deref_mut()) };
             let border = |i, value| on_edges.put_on_edge(chart, 2 * n, [i, rho], value, half);
-            strip.write_row(chart, rho, stored, border, [row.v, row.d]);
+            strip.write_row(chart, rho, stored, border, [v, d]);
         }
     }
 }

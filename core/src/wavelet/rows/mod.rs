@@ -70,7 +70,7 @@ struct Engine<'a> {
 impl Engine<'_> {
     /// A window for the faces of a level, one beyond the strip included: an odd vertex's parents.
     fn window<const N: usize>(&self, coarse: &Layout) -> Window<N> {
-        Window::new(STRIP.min(coarse.segments() + 1) + 1)
+        Window::new(STRIP.min(coarse.segments() + 1) + 1, self.filters.stencil())
     }
 
     fn regular_run(&self, chart: &Chart, r: i32, strip: Strip) -> Range<i32> {
@@ -173,10 +173,10 @@ pub fn synthesise_level_into<const N: usize>(
             .into_par_iter()
             .enumerate()
             .map_init(
-                || (engine.window(coarse), Border::new(coarse.segments()), engine.odds(coarse)),
-                |(window, border, odds), (face, mut finer)| {
+                || (engine.window(coarse), Border::new(coarse.segments())),
+                |(window, border), (face, mut finer)| {
                     let chart = Chart::new(coarse, fine, face as u32);
-                    engine.synthesise_face(&chart, (window, border, odds), (coarser, details), &mut finer)
+                    engine.synthesise_face(&chart, (window, border), (coarser, details), &mut finer)
                 },
             )
             .reduce(|| true, |a, b| a & b)

@@ -9,11 +9,11 @@ pub(super) fn mean(u: i32, w: i32) -> i32 {
     (u & w).wrapping_add((u ^ w) >> 1)
 }
 
-/// Makes details of odd vertices: `odd − mean`; whether class sums of them cannot overflow.
+/// Makes details of odd vertices, `odd − mean`, in whole registers; whether class sums of them cannot overflow.
 pub(super) struct Difference<'a> {
-    pub(super) odd: &'a mut [i32],
-    pub(super) u: &'a [i32],
-    pub(super) w: &'a [i32],
+    pub(super) odd: &'a [i32],
+    pub(super) parents: [&'a [i32]; 2],
+    pub(super) detail: &'a mut [i32],
 }
 
 impl WithSimd for Difference<'_> {
@@ -21,21 +21,22 @@ impl WithSimd for Difference<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> bool {
-        let mut beyond = 0;
-        for ((odd, &u), &w) in self.odd.iter_mut().zip(self.u).zip(self.w) {
-            *odd = odd.wrapping_sub(mean(u, w));
-            beyond |= *odd ^ (*odd >> 31);
+        let mut bits = 0;
+        let [u, w] = self.parents;
+        for (((detail, &odd), &u), &w) in self.detail.iter_mut().zip(self.odd).zip(u).zip(w) {
+            let made = odd.wrapping_sub(mean(u, w));
+            *detail = made;
+            bits |= magnitude(made);
         }
-        beyond >> SUMMABLE_BITS == 0
+        bits >> SUMMABLE_BITS == 0
     }
 }
 
-/// Makes odd vertices of details: `detail + mean`; whether class sums of the details cannot overflow.
+/// Makes odd vertices of details, `detail + mean`, in whole registers; whether class sums of the details cannot overflow.
 pub(super) struct Sum<'a> {
     pub(super) odd: &'a mut [i32],
+    pub(super) parents: [&'a [i32]; 2],
     pub(super) detail: &'a [i32],
-    pub(super) u: &'a [i32],
-    pub(super) w: &'a [i32],
 }
 
 impl WithSimd for Sum<'_> {
@@ -43,12 +44,18 @@ impl WithSimd for Sum<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> bool {
-        let mut beyond = 0;
-        let parents = self.u.iter().zip(self.w);
-        for ((odd, &detail), (&u, &w)) in self.odd.iter_mut().zip(self.detail).zip(parents) {
+        let mut bits = 0;
+        let [u, w] = self.parents;
+        for (((odd, &detail), &u), &w) in self.odd.iter_mut().zip(self.detail).zip(u).zip(w) {
             *odd = detail.wrapping_add(mean(u, w));
-            beyond |= detail ^ (detail >> 31);
+            bits |= magnitude(detail);
         }
-        beyond >> SUMMABLE_BITS == 0
+        bits >> SUMMABLE_BITS == 0
     }
+}
+
+/// A detail's magnitude, or one less.
+#[inline(always)]
+fn magnitude(detail: i32) -> i32 {
+    detail ^ (detail >> 31)
 }

@@ -7,8 +7,10 @@ use pulp::Arch;
 use std::ops::Range;
 
 /// Bytes of a line of the cache.
-#[cfg(target_arch = "x86_64")]
 const LINE: usize = 64;
+
+/// Rows that are asked for together.
+const ROWS: usize = 5;
 
 /// What is to be done with values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,24 +22,105 @@ pub(super) enum Purpose {
 /// Has the caches fetch values; a hint, and nothing where there is no such instruction.
 #[inline(always)]
 pub(super) fn prefetch<T>(arch: Arch, values: &[T], purpose: Purpose) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::x86_64::{_MM_HINT_ET0, _MM_HINT_T0};
-        let sse = match arch {
-            Arch::V4(v4) => v4.sse,
-            Arch::V3(v3) => v3.sse,
-            _ => return,
-        };
-        let first = values.as_ptr().cast::<i8>();
-        for at in (0..size_of_val(values)).step_by(LINE) {
-            match purpose {
-                Purpose::Read => sse._mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(at)),
-                Purpose::Write => sse._mm_prefetch::<_MM_HINT_ET0>(first.wrapping_add(at)),
-            }
+    Lines::of(values, purpose).fetch(arch, usize::MAX);
+}
+
+/// What is to be fetched, some lines at a time between other work: only so many can be on their way at once, and who asks for
+/// more waits.
+pub(super) struct Ahead {
+    arch: Arch,
+    rows: [Lines; ROWS],
+    /// How many of them are left; the last comes first.
+    left: usize,
+    /// Lines a step.
+    pace: usize,
+}
+
+impl Ahead {
+    /// Nothing yet.
+    #[inline(always)]
+    pub(super) fn new(arch: Arch) -> Self {
+        Self { arch, rows: [Lines::of::<u8>(&[], Purpose::Read); ROWS], left: 0, pace: 0 }
+    }
+
+    /// Adds the values of a row.
+    #[inline(always)]
+    pub(super) fn add<T>(&mut self, values: &[T], purpose: Purpose) {
+        self.rows[self.left] = Lines::of(values, purpose);
+        self.left += 1;
+    }
+
+    /// From now on so many steps fetch everything.
+    #[inline(always)]
+    pub(super) fn spread(&mut self, steps: usize) {
+        let lines: usize = self.rows[..self.left].iter().map(|row| row.count).sum();
+        self.pace = lines.div_ceil(steps.max(1));
+    }
+
+    /// Fetches a step's share.
+    #[inline(always)]
+    pub(super) fn step(&mut self) {
+        self.fetch(self.pace);
+    }
+
+    /// Fetches what is left.
+    #[inline(always)]
+    pub(super) fn rest(&mut self) {
+        self.fetch(usize::MAX);
+    }
+
+    #[inline(always)]
+    fn fetch(&mut self, mut lines: usize) {
+        while lines > 0 && self.left > 0 {
+            let row = &mut self.rows[self.left - 1];
+            lines -= row.fetch(self.arch, lines);
+            self.left -= usize::from(row.count == 0);
         }
     }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = (arch, values, purpose);
+}
+
+/// Lines of the cache after each other: where values lie, never read here.
+#[derive(Clone, Copy)]
+struct Lines {
+    first: *const u8,
+    count: usize,
+    purpose: Purpose,
+}
+
+impl Lines {
+    #[inline(always)]
+    fn of<T>(values: &[T], purpose: Purpose) -> Self {
+        Self { first: values.as_ptr().cast(), count: size_of_val(values).div_ceil(LINE), purpose }
+    }
+
+    /// Has the first of them fetched, at most so many; says how many.
+    #[inline(always)]
+    fn fetch(&mut self, arch: Arch, lines: usize) -> usize {
+        let lines = lines.min(self.count);
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_MM_HINT_ET0, _MM_HINT_T0};
+            let sse = match arch {
+                Arch::V4(v4) => Some(v4.sse),
+                Arch::V3(v3) => Some(v3.sse),
+                _ => None,
+            };
+            if let Some(sse) = sse {
+                for line in 0..lines {
+                    let place = self.first.wrapping_add(LINE * line).cast::<i8>();
+                    match self.purpose {
+                        Purpose::Read => sse._mm_prefetch::<_MM_HINT_T0>(place),
+                        Purpose::Write => sse._mm_prefetch::<_MM_HINT_ET0>(place),
+                    }
+                }
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = arch;
+        self.first = self.first.wrapping_add(LINE * lines);
+        self.count -= lines;
+        lines
+    }
 }
 
 impl Strip {

@@ -7,11 +7,27 @@ use std::collections::BTreeMap;
 /// How far the largest stencil reaches, in steps of level j + 1.
 const REACH: usize = 5;
 
+/// Folding a row reads it and its mirror image once and writes as much; then each tap of the row saves reading one.
+const WORTH_FOLDING: usize = 4;
+
 /// The taps of the constant stencil by weight, in groups of six and twelve: the orbits of the lattice's symmetries.
 #[derive(Debug)]
 pub struct Stencil {
     sixes: Vec<(i32, [Place; 6])>,
     twelves: Vec<(i32, [Place; 12])>,
+    /// Rows that row kernels fold, and weights with how many taps each has then.
+    folded: Vec<Place>,
+    classes: Vec<(i32, usize)>,
+    taps: Vec<Tap>,
+}
+
+/// What a row kernel reads.
+#[derive(Debug, Clone, Copy)]
+enum Tap {
+    /// A row of odd vertices.
+    Single(Place),
+    /// The sum of a row and its mirror image, by its number, from a column on.
+    Folded(usize, i32),
 }
 
 impl Stencil {
@@ -29,7 +45,21 @@ impl Stencil {
             sixes.extend(single.iter().map(|&group| (weight, group)));
             assert!(none.is_empty(), "orbits have six or twelve members");
         }
-        Self { sixes, twelves }
+        let by_weight = sixes.iter().map(|(weight, taps)| (*weight, taps.as_slice()));
+        let by_weight = by_weight.chain(twelves.iter().map(|(weight, taps)| (*weight, taps.as_slice())));
+        let by_weight: Vec<(i32, &[Place])> = by_weight.collect();
+        let folded = worth_folding(by_weight.iter().flat_map(|(_, taps)| *taps).copied());
+        let number = |place: Place| folded.iter().position(|&row| row == place.in_first_column());
+        let (mut classes, mut taps) = (Vec::new(), Vec::new());
+        for (weight, places) in by_weight {
+            let before = taps.len();
+            taps.extend(places.iter().filter_map(|&place| match number(place) {
+                Some(row) => Some(Tap::Folded(row, place.column())),
+                None => number(place.mirrored()).is_none().then_some(Tap::Single(place)),
+            }));
+            classes.push((weight, taps.len() - before));
+        }
+        Self { sixes, twelves, folded, classes, taps }
     }
 
     /// `Σ_i w_iv d_i` for the even vertex at column `i` of row `r`, deep inside a base face. Classes add in 32 bits.
@@ -102,13 +132,43 @@ impl Stencil {
         total
     }
 
-    /// The taps as distances within an array, from the place of the even vertex in it.
-    pub(super) fn placed(&self, offset: impl Fn(Place) -> u32) -> PlacedStencil {
+    /// The taps as distances within an array, from the place of the even vertex in it; so are the folded rows', by their number
+    /// and the column.
+    pub(super) fn placed(
+        &self,
+        offset: impl Fn(Place) -> u32,
+        folded_offset: impl Fn(usize, i32) -> u32,
+    ) -> PlacedStencil {
+        let tap = |tap: &Tap| match *tap {
+            Tap::Single(place) => offset(place),
+            Tap::Folded(row, column) => folded_offset(row, column),
+        };
+        let folds = self.folded.iter().enumerate().map(|(number, place)| Fold {
+            rows: [*place, place.mirrored()].map(&offset),
+            to: folded_offset(number, 0),
+        });
         PlacedStencil {
-            sixes: self.sixes.iter().map(|&(w, group)| (w, group.map(&offset))).collect(),
-            twelves: self.twelves.iter().map(|&(w, group)| (w, group.map(&offset))).collect(),
+            folds: folds.collect(),
+            classes: self.classes.clone(),
+            taps: self.taps.iter().map(tap).collect(),
         }
     }
+
+    /// How many rows are folded.
+    pub(super) fn folded(&self) -> usize {
+        self.folded.len()
+    }
+}
+
+/// Rows of odd vertices below the even vertices' that have so many taps that folding them pays, in the column of the even vertex.
+fn worth_folding(taps: impl Iterator<Item = Place>) -> Vec<Place> {
+    let mut counts: BTreeMap<(i32, i32), usize> = BTreeMap::new();
+    for place in taps.filter(|place| place.row > 0) {
+        let first = place.in_first_column();
+        *counts.entry((first.row, first.along)).or_default() += 1;
+    }
+    let worth = counts.into_iter().filter(|&(_, count)| count >= WORTH_FOLDING);
+    worth.map(|((row, along), _)| Place { row, along }).collect()
 }
 
 /// Where the taps of each row are counted from, for an even vertex of a face: of an odd row all vertices are odd ones, of an
@@ -145,9 +205,19 @@ fn add_class<const N: usize>(
     }
 }
 
-/// A [`Stencil`] addressed within one array of details.
+/// A [`Stencil`] addressed within one array of details and of sums of them.
 #[derive(Debug)]
 pub(super) struct PlacedStencil {
-    pub(super) sixes: Vec<(i32, [u32; 6])>,
-    pub(super) twelves: Vec<(i32, [u32; 12])>,
+    /// The sums that are made first.
+    pub(super) folds: Vec<Fold>,
+    /// Weights, and how many taps each has.
+    pub(super) classes: Vec<(i32, usize)>,
+    pub(super) taps: Vec<u32>,
+}
+
+/// The sum of two rows of odd vertices, one the other's mirror image: taps at both have one weight.
+#[derive(Debug)]
+pub(super) struct Fold {
+    pub(super) rows: [u32; 2],
+    pub(super) to: u32,
 }

@@ -77,11 +77,6 @@ impl Strip {
         let right = left + a.len() as i32 - 1;
         let (low, high) = chart.reach(rho);
         let (low, high) = (low.max(2 * left), high.min(2 * right + 1));
-        // What no stencil reads is kept from growing, pass after pass, out of what an earlier row left there.
-        for plane in [&mut *a, &mut *b] {
-            plane[..(((low + 1) >> 1) - left).clamp(0, right - left + 1) as usize].fill([0; N]);
-            plane[(((high + 1) >> 1) - left).clamp(0, right - left + 1) as usize..].fill([0; N]);
-        }
         let around =
             if from > to { [[low, high], [0, -1]] } else { [[low, 2 * from - 1], [2 * to + 2, high]] };
         for columns in around {

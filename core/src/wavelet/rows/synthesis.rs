@@ -5,35 +5,23 @@ use super::chart::Chart;
 use super::face_blocks::FaceBlock;
 use super::points::Points;
 use super::predict::Sum;
-use super::prefetch::{Purpose, prefetch};
-use super::stencil::PlacedStencil;
+use super::prefetch::{Ahead, Purpose};
 use super::strip::Strip;
-use super::update::{Direction, Update};
-use super::window::{HALO, STRIP, Window, row_place};
+use super::update::Direction;
+use super::window::{Between, HALO, RowMut, STRIP, Window};
 use super::{Engine, row_range, stored_details, stored_even_row_details};
-use crate::hierarchy::Layout;
 use crate::wavelet::lifting::{minus, rounded};
 
-/// Rows of predicted odd vertices on their way to the storage.
-pub(super) struct Odds<const N: usize>([Vec<[i32; N]>; 3]);
-
 impl Engine<'_> {
-    /// Room for the rows of a level's windows.
-    pub(super) fn odds<const N: usize>(&self, coarse: &Layout) -> Odds<N> {
-        let len = self.window::<N>(coarse).row_len();
-        Odds([(); 3].map(|()| vec![[0; N]; len]))
-    }
-
     /// Synthesises a face: all its vertices but the corners. Whether the sums were exact.
     pub(super) fn synthesise_face<const N: usize>(
         &self,
         chart: &Chart,
-        (window, border, odds): (&mut Window<N>, &mut Border<N>, &mut Odds<N>),
+        (window, border): (&mut Window<N>, &mut Border<N>),
         (coarser, details): (&[[i32; N]], &[[i32; N]]),
         finer: &mut FaceBlock<[i32; N]>,
     ) -> bool {
         let n = chart.n();
-        let stencils = window.place(self.filters.stencil());
         let start = chart.coarse.odd_face_start(chart.face) as usize;
         let own = &details[start..];
         let points = Points::odd(chart.coarse, chart.fine, details);
@@ -43,13 +31,14 @@ impl Engine<'_> {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n), arch: self.arch };
             window.start(first as u32);
             for r in -HALO..=n - first + HALO {
-                self.prefetch_for_synthesis(chart, (strip, r), (coarser, own), finer);
+                let mut ahead = self.ahead_of_synthesis(chart, (strip, r), (coarser, own), finer);
                 read_details(chart, (strip, r), window, border, own);
                 let even = r - HALO + 1;
                 if (0..=n - first).contains(&even) {
-                    self.update(chart, strip, window, even, &stencils[row_place(even)], coarser, details);
-                    exact &= self.store(chart, strip, window, even, odds, finer);
+                    self.update(chart, (strip, even), window, coarser, details, &mut ahead);
+                    exact &= self.store(chart, strip, window, even, finer);
                 }
+                ahead.rest();
             }
         }
         exact
@@ -57,38 +46,38 @@ impl Engine<'_> {
 
     /// Has what the next row reads and writes fetched.
     #[inline(always)]
-    fn prefetch_for_synthesis<const N: usize>(
+    fn ahead_of_synthesis<const N: usize>(
         &self,
         chart: &Chart,
         (strip, r): (Strip, i32),
         (coarser, own): (&[[i32; N]], &[[i32; N]]),
         finer: &FaceBlock<[i32; N]>,
-    ) {
+    ) -> Ahead {
+        let mut ahead = Ahead::new(self.arch);
         let odd = (stored_details(chart, 2 * r + 3), 2);
         for (range, per_column) in [(stored_even_row_details(chart, r + 1), 1), odd] {
             let row = &own[range];
-            prefetch(self.arch, &row[strip.share(row.len(), per_column)], Purpose::Read);
+            ahead.add(&row[strip.share(row.len(), per_column)], Purpose::Read);
         }
         let even = r - HALO + 2;
         let evens = even_row(chart, even, coarser);
-        prefetch(self.arch, &evens[strip.share(evens.len(), 1)], Purpose::Read);
+        ahead.add(&evens[strip.share(evens.len(), 1)], Purpose::Read);
         for rho in [2 * even - 1, 2 * even] {
             let row = &finer.interior[row_range(chart, rho)];
-            prefetch(self.arch, &row[strip.share(row.len(), 2)], Purpose::Write);
+            ahead.add(&row[strip.share(row.len(), 2)], Purpose::Write);
         }
+        ahead
     }
 
     /// The even vertices of a row, one beyond the strip included.
-    #[allow(clippy::too_many_arguments)]
     fn update<const N: usize>(
         &self,
         chart: &Chart,
-        strip: Strip,
+        (strip, r): (Strip, i32),
         window: &mut Window<N>,
-        r: i32,
-        stencil: &PlacedStencil,
         coarser: &[[i32; N]],
         details: &[[i32; N]],
+        ahead: &mut Ahead,
     ) {
         let n = chart.n();
         let wider = Strip { last: strip.last + 1, ..strip };
@@ -113,11 +102,7 @@ impl Engine<'_> {
             *even = minus(*even, rounded(sum));
         }
         if !run.is_empty() {
-            let (column, len) = (at(run.start), run.len() * N);
-            let (details, evens) = window.for_update(r);
-            let at = (column - HALO as usize) * N;
-            let evens = &mut evens[column..].as_flattened_mut()[..len];
-            Update { stencil, direction: Direction::Subtract, details, at, evens }.run(self.arch);
+            window.update(self.arch, Direction::Subtract, r, run, ahead);
         }
     }
 
@@ -129,24 +114,23 @@ impl Engine<'_> {
         strip: Strip,
         window: &mut Window<N>,
         r: i32,
-        Odds([h, v, d]): &mut Odds<N>,
         finer: &mut FaceBlock<[i32; N]>,
     ) -> bool {
-        let last = window.used(chart.n(), r) - 1;
-        let row = window.row(r);
-        let (u, w) = (row.e[..last].as_flattened(), row.e[1..=last].as_flattened());
-        let mut exact =
-            self.arch.dispatch(Sum { odd: h.as_flattened_mut(), detail: row.h.as_flattened(), u, w });
-        write(chart, strip, 2 * r, [row.e, h], finer);
+        let sum = |odd: &mut [i32], parents: [&[i32]; 2], detail: &[i32]| {
+            self.arch.dispatch(Sum { odd, parents, detail })
+        };
+        let count = window.worked(chart.n(), r);
+        let Between { upper, details: [detail, ..], odds: [odd, ..], .. } = window.between(r, count);
+        let mut exact = sum(odd, [&upper[..count], &upper[N..]], detail);
+        let RowMut { e, odds: [h, ..], .. } = window.row(r);
+        write(chart, strip, 2 * r, [e, h], finer);
         if r > 0 {
-            let last = window.used(chart.n(), r - 1) - 1;
-            let (upper, lower, row) = window.between(r - 1);
-            let (u, w) = (upper[..last].as_flattened(), lower[..last].as_flattened());
-            exact &=
-                self.arch.dispatch(Sum { odd: v.as_flattened_mut(), detail: row.v.as_flattened(), u, w });
-            let (u, w) = (upper[1..=last].as_flattened(), lower[..last].as_flattened());
-            exact &=
-                self.arch.dispatch(Sum { odd: d.as_flattened_mut(), detail: row.d.as_flattened(), u, w });
+            let count = window.worked(chart.n(), r - 1);
+            let Between { upper, lower, details, odds: [_, v, d] } = window.between(r - 1, count);
+            let lower = &lower[..count];
+            exact &= sum(v, [&upper[..count], lower], details[1]);
+            exact &= sum(d, [&upper[N..], lower], details[2]);
+            let [_, v, d] = window.row(r - 1).odds;
             write(chart, strip, 2 * r - 1, [v, d], finer);
         }
         exact
@@ -175,8 +159,8 @@ fn read_details<const N: usize>(
     let n = chart.n();
     let left = strip.first - HALO;
     let used = window.used(n, r);
-    let row = window.row(r);
-    let (h, odd) = (&mut row.h[..used], [&mut row.v[..used], &mut row.d[..used]]);
+    let [h, v, d] = window.row(r).details;
+    let (h, odd) = (&mut h[..used], [&mut v[..used], &mut d[..used]]);
     let rho = 2 * r + 1;
     strip.read_row(chart, border, rho, &own[stored_details(chart, rho)], odd);
     // Of an even row only `H` is stored, all of it inside the face.

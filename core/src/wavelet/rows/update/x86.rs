@@ -1,5 +1,6 @@
 //! The update with AVX2, eight values a register, and with AVX-512, sixteen: products of even and of odd lanes apart.
 
+use super::super::prefetch::Ahead;
 use super::{LARGEST_BLOCK, PlacedStencil, Update};
 use pulp::bytemuck::Pod;
 use pulp::x86::{V3, V4};
@@ -90,6 +91,7 @@ impl Registers for V4 {
 pub(super) struct With<'a, R> {
     pub(super) registers: R,
     pub(super) update: Update<'a>,
+    pub(super) ahead: &'a mut Ahead,
 }
 
 impl WithSimd for With<'_, V3> {
@@ -97,9 +99,9 @@ impl WithSimd for With<'_, V3> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { registers, update } = self;
-        update.by_blocks::<32>(|stencil, details, at| {
-            pulp::cast(sums::<_, 32, 4>(registers, stencil, &details[at..]))
+        let Self { registers, update, ahead } = self;
+        update.by_blocks::<32>(ahead, |stencil, details, ahead| {
+            pulp::cast(sums::<_, 32, 4>(registers, stencil, details, ahead))
         });
     }
 }
@@ -109,9 +111,9 @@ impl WithSimd for With<'_, V4> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { registers, update } = self;
-        update.by_blocks::<LARGEST_BLOCK>(|stencil, details, at| {
-            pulp::cast(sums::<_, LARGEST_BLOCK, 3>(registers, stencil, &details[at..]))
+        let Self { registers, update, ahead } = self;
+        update.by_blocks::<LARGEST_BLOCK>(ahead, |stencil, details, ahead| {
+            pulp::cast(sums::<_, LARGEST_BLOCK, 3>(registers, stencil, details, ahead))
         });
     }
 }
@@ -121,6 +123,7 @@ fn sums<R: Registers, const L: usize, const K: usize>(
     registers: R,
     stencil: &PlacedStencil,
     details: &[i32],
+    ahead: &mut Ahead,
 ) -> [R::Register; K]
 where
     [R::Register; K]: Pod,
@@ -128,11 +131,11 @@ where
 {
     let half = registers.repeated(1 << 19);
     let mut total = Total { even: [half; K], odd: [half; K] };
-    for (weight, taps) in &stencil.sixes {
-        total.add::<_, L, _>(registers, *weight, details, taps);
-    }
-    for (weight, taps) in &stencil.twelves {
-        total.add::<_, L, _>(registers, *weight, details, taps);
+    let mut taps = stencil.taps.as_slice();
+    for &(weight, count) in &stencil.classes {
+        ahead.step();
+        let taps = taps.split_off(..count).expect("taps of the class");
+        total.add::<_, L>(registers, weight, details, taps);
     }
     std::array::from_fn(|k| registers.rounded(total.even[k], total.odd[k]))
 }
@@ -148,17 +151,17 @@ where
     [T; K]: Pod,
 {
     #[inline(always)]
-    fn add<R: Registers<Register = T>, const L: usize, const TAPS: usize>(
+    fn add<R: Registers<Register = T>, const L: usize>(
         &mut self,
         registers: R,
         weight: i32,
         details: &[i32],
-        taps: &[u32; TAPS],
+        taps: &[u32],
     ) where
         [i32; L]: Pod,
     {
-        let mut sum: [T; K] = load::<_, L>(details, taps[0]);
-        for &tap in &taps[1..] {
+        let mut sum = [registers.repeated(0); K];
+        for &tap in taps {
             let values: [T; K] = load::<_, L>(details, tap);
             for (sum, values) in sum.iter_mut().zip(values) {
                 *sum = registers.sum(*sum, values);
