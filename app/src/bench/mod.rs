@@ -106,7 +106,7 @@ pub(crate) fn measure(levels: u8, progress: &dyn Fn(f32)) -> Result<Figures> {
     progress(0.55);
     let mut sculpture = Sculpture::new(surface);
     let fine = sculpture.move_and_undo(Level(levels - 3), 301)?;
-    let coarse = sculpture.move_and_undo(Level::BASE, 6)?;
+    let coarse = sculpture.move_and_undo(Level::BASE, 20)?;
     let surface = sculpture.into_surface();
     progress(0.6);
     let dab = dab(surface.clone(), (vertices as f64 * DAB).ceil() as usize, 9)?;
@@ -116,7 +116,7 @@ pub(crate) fn measure(levels: u8, progress: &dyn Fn(f32)) -> Result<Figures> {
     progress(0.85);
     let large = sculpture.move_and_undo(Level(levels - 1), 301)?;
     let sizes = [Base::EightFaces.surface(levels - 2)?, sculpture.into_surface()];
-    let orbit = orbit::frames(sizes, 21, &share(0.87, 1.0))?;
+    let orbit = orbit::frames(sizes, 51, &share(0.87, 1.0))?;
     Ok(Figures {
         version: env!("CARGO_PKG_VERSION"),
         machine: Machine::here(),
