@@ -35,31 +35,35 @@ impl Engine<'_> {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n), arch: self.arch };
             window.start(first as u32);
             for r in -HALO..=n - first + HALO {
+                let even = r - HALO;
+                let stored = (0..=n - first).contains(&even);
+                let run = if stored { self.regular_run(chart, even, strip) } else { 0..0 };
                 let mut ahead = self.ahead_of_analysis(chart, (strip, r), finer, output);
+                if run.is_empty() {
+                    ahead.rest();
+                }
                 let used = window.used(n, r);
                 let RowMut { e, odds: [h, ..], .. } = window.row(r);
-                let (rho, even) = (2 * r, [&mut e[..used], &mut h[..used]]);
-                strip.read_row(chart, border, rho, stored_row(chart, rho, finer), even);
+                let (rho, planes) = (2 * r, [&mut e[..used], &mut h[..used]]);
+                strip.read_row(chart, border, rho, stored_row(chart, rho, finer), planes);
+                // While the odd vertices of the row before are there still.
                 exact &= self.predict(window, n, r);
                 let [_, v, d] = window.row(r).odds;
-                let (rho, odd) = (2 * r + 1, [&mut v[..used], &mut d[..used]]);
-                strip.read_row(chart, border, rho, stored_row(chart, rho, finer), odd);
+                let (rho, planes) = (2 * r + 1, [&mut v[..used], &mut d[..used]]);
+                strip.read_row(chart, border, rho, stored_row(chart, rho, finer), planes);
                 self.store_details(chart, strip, window, r, &mut output.details);
-                let even = r - HALO;
-                if (0..=n - first).contains(&even) {
-                    let run = self.regular_run(chart, even, strip);
-                    if !run.is_empty() {
-                        window.update(self.arch, Direction::Add, even, run, &mut ahead);
-                    }
+                if !run.is_empty() {
+                    window.update(self.arch, Direction::Add, even, run, &mut ahead);
+                }
+                if stored {
                     store_evens(chart, strip, window, even, &mut output.coarser);
                 }
-                ahead.rest();
             }
         }
         exact
     }
 
-    /// Has what the next row reads and writes fetched.
+    /// What the next row reads and writes.
     #[inline(always)]
     fn ahead_of_analysis<const N: usize>(
         &self,

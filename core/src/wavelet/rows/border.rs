@@ -7,7 +7,7 @@
 use super::chart::Chart;
 use super::corner::Corner;
 use super::points::Points;
-use super::prefetch::{Purpose, prefetch};
+use super::prefetch::prefetch;
 use super::window::HALO;
 use pulp::Arch;
 use std::ops::Range;
@@ -87,7 +87,7 @@ impl<const N: usize> Border<N> {
                     for p in 1..n - 1 {
                         if p + AHEAD < n - 1 {
                             let row = points.row(side.face, (p + AHEAD) as u32);
-                            prefetch(arch, row.last(lines as usize), Purpose::Read);
+                            prefetch(arch, row.last(lines as usize));
                         }
                         let row = points.row(side.face, p as u32);
                         (1..lines.min(n - p)).for_each(|h| put(p, h, row.at(n - h - p)));
@@ -97,7 +97,7 @@ impl<const N: usize> Border<N> {
                     for q in 1..n - 1 {
                         if q + AHEAD < n - 1 {
                             let row = points.row(side.face, (q + AHEAD) as u32);
-                            prefetch(arch, row.first(lines as usize), Purpose::Read);
+                            prefetch(arch, row.first(lines as usize));
                         }
                         let row = points.row(side.face, q as u32);
                         (1..lines.min(n - q)).for_each(|h| put(n - h - q, h, row.at(h)));

@@ -9,7 +9,7 @@ pub(super) fn mean(u: i32, w: i32) -> i32 {
     (u & w).wrapping_add((u ^ w) >> 1)
 }
 
-/// Makes details of odd vertices, `odd − mean`, in whole registers; whether class sums of them cannot overflow.
+/// Makes details of odd vertices, `odd − mean`, all slices of one length; whether class sums of them cannot overflow.
 pub(super) struct Difference<'a> {
     pub(super) odd: &'a [i32],
     pub(super) parents: [&'a [i32]; 2],
@@ -32,7 +32,7 @@ impl WithSimd for Difference<'_> {
     }
 }
 
-/// Makes odd vertices of details, `detail + mean`, in whole registers; whether class sums of the details cannot overflow.
+/// Makes odd vertices of details, `detail + mean`, all slices of one length; whether class sums of the details cannot overflow.
 pub(super) struct Sum<'a> {
     pub(super) odd: &'a mut [i32],
     pub(super) parents: [&'a [i32]; 2],

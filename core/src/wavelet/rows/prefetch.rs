@@ -19,20 +19,20 @@ pub(super) enum Purpose {
     Write,
 }
 
-/// Has the caches fetch values; a hint, and nothing where there is no such instruction.
+/// Has the caches fetch what will be read; a hint, and nothing where there is no such instruction.
 #[inline(always)]
-pub(super) fn prefetch<T>(arch: Arch, values: &[T], purpose: Purpose) {
-    Lines::of(values, purpose).fetch(arch, usize::MAX);
+pub(super) fn prefetch<T>(arch: Arch, values: &[T]) {
+    CacheLines::of(values, Purpose::Read).fetch(arch, usize::MAX);
 }
 
 /// What is to be fetched, some lines at a time between other work: only so many can be on their way at once, and who asks for
 /// more waits.
 pub(super) struct Ahead {
     arch: Arch,
-    rows: [Lines; ROWS],
-    /// How many of them are left; the last comes first.
-    left: usize,
-    /// Lines a step.
+    rows: [CacheLines; ROWS],
+    /// Which of them are left, the most urgent first.
+    left: Range<usize>,
+    /// CacheLines a step.
     pace: usize,
 }
 
@@ -40,20 +40,20 @@ impl Ahead {
     /// Nothing yet.
     #[inline(always)]
     pub(super) fn new(arch: Arch) -> Self {
-        Self { arch, rows: [Lines::of::<u8>(&[], Purpose::Read); ROWS], left: 0, pace: 0 }
+        Self { arch, rows: [CacheLines::of::<u8>(&[], Purpose::Read); ROWS], left: 0..0, pace: 0 }
     }
 
-    /// Adds the values of a row.
+    /// Adds the values of a row, after those that are more urgent.
     #[inline(always)]
     pub(super) fn add<T>(&mut self, values: &[T], purpose: Purpose) {
-        self.rows[self.left] = Lines::of(values, purpose);
-        self.left += 1;
+        self.rows[self.left.end] = CacheLines::of(values, purpose);
+        self.left.end += 1;
     }
 
     /// From now on so many steps fetch everything.
     #[inline(always)]
     pub(super) fn spread(&mut self, steps: usize) {
-        let lines: usize = self.rows[..self.left].iter().map(|row| row.count).sum();
+        let lines: usize = self.rows[self.left.clone()].iter().map(|row| row.count).sum();
         self.pace = lines.div_ceil(steps.max(1));
     }
 
@@ -71,23 +71,23 @@ impl Ahead {
 
     #[inline(always)]
     fn fetch(&mut self, mut lines: usize) {
-        while lines > 0 && self.left > 0 {
-            let row = &mut self.rows[self.left - 1];
+        while lines > 0 && !self.left.is_empty() {
+            let row = &mut self.rows[self.left.start];
             lines -= row.fetch(self.arch, lines);
-            self.left -= usize::from(row.count == 0);
+            self.left.start += usize::from(row.count == 0);
         }
     }
 }
 
-/// Lines of the cache after each other: where values lie, never read here.
+/// CacheLines of the cache after each other: where values lie, never read here.
 #[derive(Clone, Copy)]
-struct Lines {
+struct CacheLines {
     first: *const u8,
     count: usize,
     purpose: Purpose,
 }
 
-impl Lines {
+impl CacheLines {
     #[inline(always)]
     fn of<T>(values: &[T], purpose: Purpose) -> Self {
         Self { first: values.as_ptr().cast(), count: size_of_val(values).div_ceil(LINE), purpose }
@@ -116,7 +116,7 @@ impl Lines {
             }
         }
         #[cfg(not(target_arch = "x86_64"))]
-        let _ = arch;
+        let _ = (arch, self.purpose);
         self.first = self.first.wrapping_add(LINE * lines);
         self.count -= lines;
         lines

@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 /// How far the largest stencil reaches, in steps of level j + 1.
 const REACH: usize = 5;
 
-/// Folding a row reads it and its mirror image once and writes as much; then each tap of the row saves reading one.
+/// So many taps of a row make folding pay: it costs reading the row and its mirror image and writing their sum, and saves one
+/// reading a tap.
 const WORTH_FOLDING: usize = 4;
 
 /// The taps of the constant stencil by weight, in groups of six and twelve: the orbits of the lattice's symmetries.
@@ -15,9 +16,11 @@ const WORTH_FOLDING: usize = 4;
 pub struct Stencil {
     sixes: Vec<(i32, [Place; 6])>,
     twelves: Vec<(i32, [Place; 12])>,
-    /// Rows that row kernels fold, and weights with how many taps each has then.
+    /// Rows that row kernels fold, in the even vertex's own column.
     folded: Vec<Place>,
+    /// Weights, with how many of `taps` each has.
     classes: Vec<(i32, usize)>,
+    /// What row kernels read, by weight.
     taps: Vec<Tap>,
 }
 
@@ -33,12 +36,12 @@ enum Tap {
 impl Stencil {
     /// From taps `(dr, di, weight)` in steps of level j + 1, relative to the even vertex.
     pub(crate) fn new(taps: impl Iterator<Item = (i32, i32, i32)>) -> Self {
-        let mut classes: BTreeMap<i32, Vec<Place>> = BTreeMap::new();
+        let mut orbits: BTreeMap<i32, Vec<Place>> = BTreeMap::new();
         for (dr, di, weight) in taps {
-            classes.entry(weight).or_default().push(Place::of_odd(dr, di));
+            orbits.entry(weight).or_default().push(Place::of_odd(dr, di));
         }
         let (mut sixes, mut twelves) = (Vec::new(), Vec::new());
-        for (weight, places) in classes {
+        for (weight, places) in orbits {
             let (pairs, rest) = places.as_chunks::<12>();
             twelves.extend(pairs.iter().map(|&group| (weight, group)));
             let (single, none) = rest.as_chunks::<6>();
@@ -49,9 +52,13 @@ impl Stencil {
         let by_weight = by_weight.chain(twelves.iter().map(|(weight, taps)| (*weight, taps.as_slice())));
         let by_weight: Vec<(i32, &[Place])> = by_weight.collect();
         let folded = worth_folding(by_weight.iter().flat_map(|(_, taps)| *taps).copied());
-        let number = |place: Place| folded.iter().position(|&row| row == place.in_first_column());
+        let number = |place: Place| folded.iter().position(|&row| row == place.in_own_column());
         let (mut classes, mut taps) = (Vec::new(), Vec::new());
         for (weight, places) in by_weight {
+            assert!(
+                places.iter().all(|place| places.contains(&place.mirrored())),
+                "orbits are their own mirror images"
+            );
             let before = taps.len();
             taps.extend(places.iter().filter_map(|&place| match number(place) {
                 Some(row) => Some(Tap::Folded(row, place.column())),
@@ -160,11 +167,11 @@ impl Stencil {
     }
 }
 
-/// Rows of odd vertices below the even vertices' that have so many taps that folding them pays, in the column of the even vertex.
+/// Rows of odd vertices below the even vertices' that have so many taps that folding them pays, in the even vertex's own column.
 fn worth_folding(taps: impl Iterator<Item = Place>) -> Vec<Place> {
     let mut counts: BTreeMap<(i32, i32), usize> = BTreeMap::new();
     for place in taps.filter(|place| place.row > 0) {
-        let first = place.in_first_column();
+        let first = place.in_own_column();
         *counts.entry((first.row, first.along)).or_default() += 1;
     }
     let worth = counts.into_iter().filter(|&(_, count)| count >= WORTH_FOLDING);
@@ -220,4 +227,27 @@ pub(super) struct PlacedStencil {
 pub(super) struct Fold {
     pub(super) rows: [u32; 2],
     pub(super) to: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::hierarchy::{BaseMesh, Hierarchy, Level};
+    use crate::mesh::shapes;
+    use crate::wavelet::{Filters, Wavelet};
+    use std::sync::Arc;
+
+    /// A 2-disc stencil has 72 taps; six rows of four or five taps on either side of the even vertices' are folded.
+    #[test]
+    fn rows_of_many_taps_are_folded() {
+        let base = BaseMesh::new(6, shapes::octahedron().faces, &[]).expect("a base mesh");
+        let meshes = Hierarchy::new(Arc::new(base), Level(3)).expect("small");
+        let counts = |wavelet| {
+            let filters = Filters::new(&meshes, wavelet).expect("small valences");
+            let stencil = filters.stencil();
+            (stencil.folded(), stencil.taps.len())
+        };
+        assert_eq!(counts(Wavelet::Disc(2)), (6, 72 - 27));
+        assert_eq!(counts(Wavelet::Disc(1)), (0, 30));
+        assert_eq!(counts(Wavelet::Disc(0)), (0, 6));
+    }
 }

@@ -11,6 +11,7 @@ use super::update::Direction;
 use super::window::{Between, HALO, RowMut, STRIP, Window};
 use super::{Engine, row_range, stored_details, stored_even_row_details};
 use crate::wavelet::lifting::{minus, rounded};
+use std::ops::Range;
 
 impl Engine<'_> {
     /// Synthesises a face: all its vertices but the corners. Whether the sums were exact.
@@ -31,20 +32,29 @@ impl Engine<'_> {
             let strip = Strip { first, last: (first + STRIP as i32 - 1).min(n), arch: self.arch };
             window.start(first as u32);
             for r in -HALO..=n - first + HALO {
-                let mut ahead = self.ahead_of_synthesis(chart, (strip, r), (coarser, own), finer);
-                read_details(chart, (strip, r), window, border, own);
                 let even = r - HALO + 1;
-                if (0..=n - first).contains(&even) {
-                    self.update(chart, (strip, even), window, coarser, details, &mut ahead);
+                let stored = (0..=n - first).contains(&even);
+                // An odd vertex's parent may lie one beyond the strip.
+                let wider = Strip { last: strip.last + 1, ..strip };
+                let run = if stored { self.regular_run(chart, even, wider) } else { 0..0 };
+                let mut ahead = self.ahead_of_synthesis(chart, (strip, r), (coarser, own), finer);
+                if run.is_empty() {
+                    ahead.rest();
+                }
+                read_details(chart, (strip, r), window, border, own);
+                if stored {
+                    self.read_evens(chart, (wider, even), &run, window, (coarser, details));
+                    if !run.is_empty() {
+                        window.update(self.arch, Direction::Subtract, even, run, &mut ahead);
+                    }
                     exact &= self.store(chart, strip, window, even, finer);
                 }
-                ahead.rest();
             }
         }
         exact
     }
 
-    /// Has what the next row reads and writes fetched.
+    /// What the next row reads and writes.
     #[inline(always)]
     fn ahead_of_synthesis<const N: usize>(
         &self,
@@ -69,19 +79,17 @@ impl Engine<'_> {
         ahead
     }
 
-    /// The even vertices of a row, one beyond the strip included.
-    fn update<const N: usize>(
+    /// Reads the even vertices of a strip's row, and updates one by one those outside the run of regular ones.
+    fn read_evens<const N: usize>(
         &self,
         chart: &Chart,
         (strip, r): (Strip, i32),
+        run: &Range<i32>,
         window: &mut Window<N>,
-        coarser: &[[i32; N]],
-        details: &[[i32; N]],
-        ahead: &mut Ahead,
+        (coarser, details): (&[[i32; N]], &[[i32; N]]),
     ) {
         let n = chart.n();
-        let wider = Strip { last: strip.last + 1, ..strip };
-        let part = wider.part(0, n - r);
+        let part = strip.part(0, n - r);
         let at = |i: i32| (i - strip.first + HALO) as usize;
         let row = window.row(r);
         let mut border =
@@ -94,15 +102,11 @@ impl Engine<'_> {
         } else {
             part.clone().for_each(&mut border);
         }
-        let run = self.regular_run(chart, r, wider);
         let regular = if run.is_empty() { part.end..part.end } else { run.clone() };
         for i in (part.start..regular.start).chain(regular.end..part.end) {
             let sum = self.filters.gather(chart.coarse, chart.even(i as u32, r as u32), details);
             let even = &mut window.row(r).e[at(i)];
             *even = minus(*even, rounded(sum));
-        }
-        if !run.is_empty() {
-            window.update(self.arch, Direction::Subtract, r, run, ahead);
         }
     }
 

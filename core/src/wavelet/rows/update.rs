@@ -10,8 +10,10 @@ mod x86;
 
 use super::prefetch::Ahead;
 use super::stencil::PlacedStencil;
-use super::window::LANES;
 use pulp::Arch;
+
+/// Values that rows are worked on by: those of the largest register, and of a line of the cache.
+pub(super) const LANES: usize = 16;
 
 /// No implementation takes more values at a time.
 pub(super) const LARGEST_BLOCK: usize = 48;
@@ -82,10 +84,11 @@ impl Update<'_> {
     }
 }
 
-fn portable<const L: usize>(stencil: &PlacedStencil, details: &[i32], _: &mut Ahead) -> [i32; L] {
+fn portable<const L: usize>(stencil: &PlacedStencil, details: &[i32], ahead: &mut Ahead) -> [i32; L] {
     let mut total = [1i64 << 19; L];
     let mut taps = stencil.taps.as_slice();
     for &(weight, count) in &stencil.classes {
+        ahead.step();
         let mut sum = [0i32; L];
         for &tap in taps.split_off(..count).expect("taps of the class") {
             let values: &[i32; L] =

@@ -6,7 +6,7 @@
 
 use super::prefetch::Ahead;
 use super::stencil::{PlacedStencil, Stencil};
-use super::update::{Direction, LARGEST_BLOCK, Update};
+use super::update::{Direction, LANES, LARGEST_BLOCK, Update};
 use pulp::Arch;
 use std::ops::Range;
 
@@ -18,11 +18,9 @@ pub(super) const HALO: i32 = 3;
 /// made. A power of two.
 const ROWS: usize = 2 * HALO as usize + 2;
 
-/// Values that rows are worked through by: the largest register's.
-pub(super) const LANES: usize = 16;
-
-/// Even vertices per row of a strip: few enough that a window of 40 kB stays in a first-level cache of 48, enough that the
-/// halo does not weigh. On a Xeon 96, 128, 192, 256 took 6.4, 7.0, 6.6, 6.9 ns a vertex for the whole of analysis.
+/// Even vertices per row of a strip: few enough that what a step touches of a window, 40 of its 56 kB, stays in a first-level cache of
+/// 48, enough that the halo does not weigh. Before rows were folded 96, 128, 192, 256 took 6.4, 7.0, 6.6, 6.9 ns a vertex on a Xeon,
+/// for the whole of analysis.
 pub(super) const STRIP: u32 = 96;
 
 /// A plane of odd vertices.
@@ -72,8 +70,8 @@ impl Place {
         self.in_plane().1[0]
     }
 
-    /// The place of the same row and plane in the column of the even vertex.
-    pub(super) fn in_first_column(self) -> Self {
+    /// The place of the same row and plane in the even vertex's own column.
+    pub(super) fn in_own_column(self) -> Self {
         let [dr, di] = self.steps();
         Self::of_odd(dr, di.rem_euclid(2))
     }
@@ -91,7 +89,8 @@ pub(super) struct Window<const N: usize> {
     first: i32,
     /// Columns that are ever in use.
     columns: usize,
-    /// Columns from one row to the next: whole registers of values lie between them.
+    /// Columns from one row to the next: rows are worked on to the end of a register, and the parents one column on; and each begins
+    /// at a line of the cache.
     stride: usize,
     evens: Aligned<N>,
     /// One row of each plane of odd vertices themselves: what details are made of, or what is made of them.
@@ -113,11 +112,11 @@ pub(super) struct RowMut<'a, const N: usize> {
     pub(super) e: &'a mut [[i32; N]],
     /// Details, by [`Plane`].
     pub(super) details: [&'a mut [[i32; N]]; 3],
-    /// Odd vertices, those of one row after another.
+    /// Odd vertices by [`Plane`], those read or made last: the same storage whatever the row.
     pub(super) odds: [&'a mut [[i32; N]]; 3],
 }
 
-/// Two rows of even vertices, each one column longer than others, and the odd ones of the first and between them.
+/// Two rows of even vertices, each one column longer than the other slices, and the odd ones of the first and between them.
 pub(super) struct Between<'a, const N: usize> {
     pub(super) upper: &'a [i32],
     pub(super) lower: &'a [i32],
@@ -129,7 +128,7 @@ impl<const N: usize> Window<N> {
     /// A window for strips of at most `columns` even vertices, to be updated by a stencil.
     pub(super) fn new(columns: u32, stencil: &Stencil) -> Self {
         let columns = columns as usize + 2 * HALO as usize + 1;
-        let stride = (columns + LANES.div_ceil(N)).next_multiple_of(LANES);
+        let stride = (columns + 1 + LANES.div_ceil(N)).next_multiple_of(LANES);
         // Blocks may read past the last column, of the last row past the end.
         let slack = LARGEST_BLOCK.div_ceil(N);
         // Taps are counted from as many columns as the even vertex has, less the halo.
@@ -145,7 +144,7 @@ impl<const N: usize> Window<N> {
             first: 0,
             columns,
             stride,
-            evens: Aligned::zeroed(ROWS * stride + 1),
+            evens: Aligned::zeroed(ROWS * stride),
             odds: [(); 3].map(|()| Aligned::zeroed(stride)),
             details: Aligned::zeroed(planes(stride) + stencil.folded() * stride + slack),
             stencils,
@@ -164,12 +163,13 @@ impl<const N: usize> Window<N> {
         start..start + self.stride
     }
 
-    /// The columns of row `r` of a face with `n` segments that are in use; beyond them nothing is read.
+    /// The columns of row `r` of a face with `n` segments that are in use; beyond them nothing is kept.
     pub(super) fn used(&self, n: i32, r: i32) -> usize {
         (n - r + 2 * HALO + 1 - self.first).clamp(2, self.columns as i32) as usize
     }
 
-    /// The values of those columns, and as many more as fill the last register.
+    /// The values of those columns, and as many more as fill the last register. What stands there is an earlier row's; at worst it
+    /// makes details look so large that the level is given to the reference, which is slower and as right.
     pub(super) fn worked(&self, n: i32, r: i32) -> usize {
         (self.used(n, r) * N).next_multiple_of(LANES)
     }
@@ -230,27 +230,27 @@ impl<const N: usize> Window<N> {
 }
 
 /// Values of which the first lies at the beginning of a cache line.
-struct Aligned<const N: usize>(Vec<Line>);
+struct Aligned<const N: usize>(Vec<CacheLine>);
 
-/// As much as a cache line and the largest register hold.
+/// What a line of the cache holds.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
-struct Line([i32; LANES]);
+struct CacheLine([i32; LANES]);
 
 impl<const N: usize> Aligned<N> {
     /// At least so many values.
     fn zeroed(count: usize) -> Self {
-        Self(vec![Line([0; LANES]); (count * N).div_ceil(LANES)])
+        Self(vec![CacheLine([0; LANES]); (count * N).div_ceil(LANES)])
     }
 
     #[inline]
     fn values(&self) -> &[[i32; N]] {
-        bytemuck::cast_slice::<Line, i32>(&self.0).as_chunks().0
+        bytemuck::cast_slice::<CacheLine, i32>(&self.0).as_chunks().0
     }
 
     #[inline]
     fn values_mut(&mut self) -> &mut [[i32; N]] {
-        bytemuck::cast_slice_mut::<Line, i32>(&mut self.0).as_chunks_mut().0
+        bytemuck::cast_slice_mut::<CacheLine, i32>(&mut self.0).as_chunks_mut().0
     }
 }
 

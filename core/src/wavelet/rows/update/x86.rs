@@ -1,7 +1,6 @@
 //! The update with AVX2, eight values a register, and with AVX-512, sixteen: products of even and of odd lanes apart.
 
-use super::super::prefetch::Ahead;
-use super::{LARGEST_BLOCK, PlacedStencil, Update};
+use super::{Ahead, LARGEST_BLOCK, PlacedStencil, Update};
 use pulp::bytemuck::Pod;
 use pulp::x86::{V3, V4};
 use pulp::{Simd, WithSimd};
@@ -87,7 +86,8 @@ impl Registers for V4 {
 }
 
 /// Updates with such registers: four a block with AVX2 (on Zen 3 1, 2, 3, 4 take 4.7, 2.6, 2.3, 2.4 ns per finest vertex),
-/// three with AVX-512, which divide a strip evenly (on a Xeon 1, 2, 3, 4 took 8.5, 7.0, 6.6, 6.6 ns for the whole of analysis).
+/// three with AVX-512, which divide a strip evenly (before rows were folded 1, 2, 3, 4 took 8.5, 7.0, 6.6, 6.6 ns on a Xeon, for the
+/// whole of analysis).
 pub(super) struct With<'a, R> {
     pub(super) registers: R,
     pub(super) update: Update<'a>,
@@ -160,7 +160,8 @@ where
     ) where
         [i32; L]: Pod,
     {
-        let mut sum = [registers.repeated(0); K];
+        let Some((&first, taps)) = taps.split_first() else { return };
+        let mut sum: [T; K] = load::<_, L>(details, first);
         for &tap in taps {
             let values: [T; K] = load::<_, L>(details, tap);
             for (sum, values) in sum.iter_mut().zip(values) {
