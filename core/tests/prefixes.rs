@@ -7,6 +7,7 @@ use bozzetto_core::hierarchy::{BaseMesh, Hierarchy, Level, Slot};
 use bozzetto_core::mesh::{CompareOptions, TriangleMesh, compare, shapes};
 use bozzetto_core::surface::{FormOptions, Surface};
 use bozzetto_core::wavelet::Wavelet;
+use rayon::prelude::*;
 use samples::{Numbers, model};
 use std::path::Path;
 use std::sync::Arc;
@@ -38,7 +39,7 @@ fn is_model(bytes: &[u8], length: usize, whole: &Model, what: &str) -> bool {
 #[test]
 fn every_length_of_small_files() {
     let shapes = shapes::awkward();
-    for at in 0..20 {
+    (0..20).into_par_iter().for_each(|at: usize| {
         let (name, mesh) = &shapes[at % shapes.len()];
         let wavelet = Wavelet::ALL[(at + at / shapes.len()) % 4];
         let levels = if mesh.faces.len() > 12 { 1 } else { 2 };
@@ -54,7 +55,7 @@ fn every_length_of_small_files() {
             before = now;
         }
         assert!(before, "{what}: the whole");
-    }
+    });
 }
 
 /// A surface over some mesh whose finest vertices lie at the base mesh's points moved by a wave.

@@ -30,13 +30,12 @@ impl Sculpture {
         Self { surface, shown }
     }
 
-    /// Moves one scaling coefficient of a level and undoes that, at so many places one after the other. Seconds, both
-    /// medians.
+    /// Moves one scaling coefficient of a level and undoes that, at so many places one after the other. Both medians.
     ///
     /// # Errors
     /// The edit is refused.
-    pub(super) fn move_and_undo(&mut self, level: Level, places: u32) -> Result<EditSeconds> {
-        let (mut made, mut undone) = (Timings::default(), Timings::default());
+    pub(super) fn move_and_undo(&mut self, level: Level, places: u32) -> Result<EditCost> {
+        let (mut made, mut ratios) = (Timings::default(), Timings::default());
         for vertex in spread(self.surface.hierarchy().layout(level).len(), places) {
             let edit = Edit::Move(scaling(level, vertex, None));
             let mut step = made.time(|| -> Result<Step> {
@@ -47,12 +46,12 @@ impl Sculpture {
             })?;
             // The first call of a record only hands over the changes made.
             undo::Edit::edit(&mut step, &mut self.surface);
-            undone.time(|| {
-                let changes = undo::Edit::undo(&mut step, &mut self.surface);
-                follow(&mut self.shown, &self.surface, &changes);
-            });
+            let begun = Instant::now();
+            let changes = undo::Edit::undo(&mut step, &mut self.surface);
+            follow(&mut self.shown, &self.surface, &changes);
+            ratios.push(begun.elapsed().as_secs_f64() / made.last());
         }
-        Ok(EditSeconds { edit: made.median(), undo: undone.median() })
+        Ok(EditCost { seconds: made.median(), undo_ratio: ratios.median() })
     }
 
     /// The surface alone.
@@ -61,11 +60,11 @@ impl Sculpture {
     }
 }
 
-/// What an edit and its undo take.
+/// What an edit takes, and how many times that its undo.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct EditSeconds {
-    pub(super) edit: f64,
-    pub(super) undo: f64,
+pub(super) struct EditCost {
+    pub(super) seconds: f64,
+    pub(super) undo_ratio: f64,
 }
 
 /// A brush dab: each call of the hand moves all vertices of the finest level within a radius, by weight.
@@ -158,8 +157,8 @@ mod tests {
         let surface = Base::EightFaces.surface(4).expect("small");
         let mut sculpture = Sculpture::new(surface.clone());
         for level in [0, 1, 4] {
-            let seconds = sculpture.move_and_undo(Level(level), 5).expect("in range");
-            assert!(seconds.edit > 0.0 && seconds.undo > 0.0);
+            let cost = sculpture.move_and_undo(Level(level), 5).expect("in range");
+            assert!(cost.seconds > 0.0 && cost.undo_ratio > 0.0);
         }
         let surface_after = sculpture.into_surface();
         assert_eq!(surface_after.hash(), surface.hash());

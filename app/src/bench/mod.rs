@@ -106,7 +106,7 @@ pub(crate) fn measure(levels: u8, progress: &dyn Fn(f32)) -> Result<Figures> {
     progress(0.55);
     let mut sculpture = Sculpture::new(surface);
     let fine = sculpture.move_and_undo(Level(levels - 3), 301)?;
-    let coarse = sculpture.move_and_undo(Level::BASE, 20)?;
+    let coarse = sculpture.move_and_undo(Level::BASE, 40)?;
     let surface = sculpture.into_surface();
     progress(0.6);
     let dab = dab(surface.clone(), (vertices as f64 * DAB).ceil() as usize, 9)?;
@@ -130,13 +130,13 @@ pub(crate) fn measure(levels: u8, progress: &dyn Fn(f32)) -> Result<Figures> {
         copy_two_threads_speedup: transform.copy_two_threads_speedup,
         scale_ratio,
         scale_ratio_400_faces,
-        edit_fine_us: fine.edit * 1e6,
-        edit_scale_ratio: large.edit / fine.edit,
-        edit_coarse_ms: coarse.edit * 1e3,
+        edit_fine_us: fine.seconds * 1e6,
+        edit_scale_ratio: large.seconds / fine.seconds,
+        edit_coarse_ms: coarse.seconds * 1e3,
         dab_ms: dab.seconds * 1e3,
         dab_shown_ms: dab.shown * 1e3,
         dab_vertices: dab.vertices,
-        undo_ratio: (fine.undo / fine.edit).max(coarse.undo / coarse.edit),
+        undo_ratio: fine.undo_ratio.max(coarse.undo_ratio),
         orbit_frame_ms: orbit.map(|frames| frames.seconds[1] * 1e3),
         orbit_ratio: orbit.map(|frames| frames.seconds[1] / frames.seconds[0]),
         orbit_drawn: orbit.map(|frames| frames.drawn),

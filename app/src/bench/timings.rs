@@ -21,6 +21,11 @@ impl Timings {
         self.0.push(seconds);
     }
 
+    /// The newest in seconds; not a number before the first run.
+    pub(super) fn last(&self) -> f64 {
+        self.0.last().copied().unwrap_or(f64::NAN)
+    }
+
     /// The median in seconds; not a number before the first run.
     pub(super) fn median(&self) -> f64 {
         let mut sorted = self.0.clone();
