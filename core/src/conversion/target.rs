@@ -5,8 +5,8 @@
 
 use super::fitted::Fitted;
 use super::normal_equations::Symmetric;
-use super::pulls::{ALONG, Pull, barycentric};
-use crate::mesh::{AreaSampler, BoundingVolumes, ClosestPointCursor, TriangleMesh};
+use super::pulls::{ALONG, Pull};
+use crate::mesh::{AreaSampler, BoundingVolumes, ClosestPointCursor, FaceIndex, TriangleMesh};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -15,8 +15,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Samples of the input for each face of the fitted surface.
 const SAMPLES_PER_FACE: f64 = 2.0;
 
-/// A closest point lies on an edge of the input, or in a corner, if a weight of it is less.
-const ON_EDGE: f64 = 1e-6;
+/// Faces of the input this much further from a point than the closest are as close: where they meet, which of them a search
+/// finds is chance, and a surface is saved in steps of up to half as much. In the unit box.
+const AS_CLOSE: f64 = 6e-8;
 /// A triangle counts as turned over up to this cosine: coordinates in a file are rounded, and thin triangles with them.
 pub(super) const TURNED: f64 = 0.02;
 
@@ -32,8 +33,6 @@ pub(super) struct Target<'m> {
     /// How many of the samples are spread by area; vertices follow.
     pub(super) by_area: usize,
     boundary: Option<BoundaryCurve>,
-    /// Where the faces of each vertex of the input begin, and these faces.
-    stars: (Vec<u32>, Vec<u32>),
     /// Boxes and triangles looked at by the closest points of fits so far: what attempts cost, on any machine.
     looks: AtomicU64,
 }
@@ -82,7 +81,6 @@ impl<'m> Target<'m> {
             sample_faces: Vec::new(),
             by_area: 0,
             boundary,
-            stars: stars(mesh),
             looks: AtomicU64::new(0),
         })
     }
@@ -117,25 +115,21 @@ impl<'m> Target<'m> {
         self.looks.load(Ordering::Relaxed)
     }
 
-    /// The cosine of a triangle's normal to that of the input nearest to its middle, the least where faces of the input
-    /// meet there, or -1 without area; and how far the middle is from the input.
+    /// The cosine of a triangle's normal to that of the input nearest to its middle, the least where several of its faces are
+    /// as near, -1 for a triangle without area and 0 where only such are near; and how far the middle is from the input.
     pub(super) fn beside(&self, [a, b, c]: [DVec3; 3], cursor: &mut ClosestPointCursor) -> (f64, f64) {
-        let near = cursor.closest(((a + b + c) / 3.0).to_array());
+        let middle = ((a + b + c) / 3.0).to_array();
+        let near = cursor.closest(middle);
         let distance = near.squared_distance.sqrt();
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return (-1.0, distance) };
-        let cosine = |f: u32| normal.dot(self.normals[f as usize]);
-        let face = self.mesh.faces[near.face.0 as usize];
-        let corners = self.mesh.corners(near.face).map(DVec3::from);
-        let weights = barycentric(corners, near.point.into());
-        let own = cosine(near.face.0);
-        let on: Vec<u32> = (0..3).filter(|&k| weights[k] >= ON_EDGE).map(|k| face[k]).collect();
-        let Some(&first) = on.first().filter(|_| on.len() < 3) else { return (own, distance) };
-        // Which of the faces there a search finds is chance.
-        let (starts, faces) = &self.stars;
-        let around = &faces[starts[first as usize] as usize..starts[first as usize + 1] as usize];
-        let there = |f: &&u32| on.iter().all(|v| self.mesh.faces[**f as usize].contains(v));
-        let has_area = |f: &&u32| self.normals[**f as usize] != DVec3::ZERO;
-        (around.iter().filter(there).filter(has_area).map(|&f| cosine(f)).fold(own, f64::min), distance)
+        let cosine = |f: FaceIndex| normal.dot(self.normals[f.0 as usize]);
+        let mut least = f64::INFINITY;
+        cursor.each_within(middle, distance + AS_CLOSE, |f| {
+            if self.normals[f.0 as usize] != DVec3::ZERO {
+                least = least.min(cosine(f));
+            }
+        });
+        (if least.is_finite() { least } else { 0.0 }, distance)
     }
 
     /// Whether a triangle lies the other way than the input nearest to its middle, or nearly so.
@@ -190,22 +184,6 @@ impl<'m> Target<'m> {
     }
 }
 
-/// Where the faces of each vertex begin, and these faces.
-fn stars(mesh: &TriangleMesh) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; mesh.positions.len() + 2];
-    mesh.faces.iter().flatten().for_each(|&v| starts[v as usize + 2] += 1);
-    (2..starts.len()).for_each(|v| starts[v] += starts[v - 1]);
-    let mut faces = vec![0; 3 * mesh.faces.len()];
-    for (f, face) in (0..).zip(&mesh.faces) {
-        for &v in face {
-            let at = &mut starts[v as usize + 1];
-            faces[*at as usize] = f;
-            *at += 1;
-        }
-    }
-    (starts, faces)
-}
-
 /// Segments as a curve that can be asked for closest points; `None` without segments.
 fn curve(segments: Vec<[DVec3; 2]>) -> Option<BoundaryCurve> {
     let positions = segments.iter().flatten().map(|p| p.to_array()).collect();
@@ -239,6 +217,19 @@ mod tests {
                 let beside = over.map(|corner| corner - middle + down);
                 assert!(target.beside(beside, &mut target.tree.cursor()).0 > 0.99);
             }
+        }
+    }
+
+    /// Two sheets so near to each other that a saved surface cannot tell them apart.
+    #[test]
+    fn sheets_in_one_place_are_as_close() {
+        let sheet = |z: f64| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
+        for (gap, turned) in [(0.5 * AS_CLOSE, true), (2.0 * AS_CLOSE, false)] {
+            let positions = [sheet(0.0), sheet(gap)].concat();
+            let mesh = TriangleMesh::new(positions, vec![[0, 2, 1], [3, 4, 5]]);
+            let target = Target::new(&mesh).expect("faces");
+            let upper = sheet(gap).map(|p| DVec3::new(0.5 * p[0], 0.5 * p[1], p[2]));
+            assert_eq!(target.is_turned(upper, &mut target.tree.cursor()), turned, "{gap}");
         }
     }
 }

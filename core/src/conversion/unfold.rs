@@ -15,6 +15,7 @@ use super::simplify::Cancelled;
 use super::target::{TURNED, Target};
 use crate::mesh::{ClosestPointCursor, closest_on_triangle};
 use glam::DVec3;
+use std::collections::VecDeque;
 
 /// Rounds over the turned faces.
 const ROUNDS: usize = 12;
@@ -44,6 +45,8 @@ const FAR: f64 = 0.3;
 /// squares of the fit, within these bounds over the diagonal.
 const REACH: f64 = 10.0;
 const REACHES: [f64; 2] = [2e-4, 1e-3];
+/// What is shaken may lie as far off as this, if the fit does somewhere.
+const SHAKEN: f64 = 2e-3;
 
 /// Where a vertex may go: to the faces and the corners of a cube.
 const WAYS: [DVec3; 14] = {
@@ -132,32 +135,49 @@ impl Unfolding<'_> {
     ) -> Result<(), Cancelled> {
         let mut near = self.near();
         let mut left: Vec<u32> = turned.to_vec();
+        let mut stuck = Vec::new();
         for _ in 0..ROUNDS {
-            let mut next = Vec::new();
+            let mut moved = Vec::new();
             for &f in &left {
                 if !go_on() {
                     return Err(Cancelled);
                 }
-                let corners = self.fitted.pattern.faces()[f as usize];
-                if self.is_turned(f, positions, &mut near)
-                    && corners.map(|v| self.improve(v as usize, positions, &mut near)).contains(&true)
-                {
-                    next.push(f);
+                if self.is_turned(f, positions, &mut near) {
+                    let before = moved.len();
+                    let corners = self.fitted.pattern.faces()[f as usize];
+                    moved.extend(corners.iter().filter(|&&v| self.improve(v as usize, positions, &mut near)));
+                    stuck.extend((moved.len() == before).then_some(f));
                 }
             }
-            if next.is_empty() {
+            // What turned one face back may have turned another over that was less so.
+            left = self.turned_at(&moved, positions, &mut near);
+            if left.is_empty() {
                 break;
             }
-            left = next;
         }
+        stuck.append(&mut left);
+        stuck.sort_unstable();
+        stuck.dedup();
+        let mut stuck = VecDeque::from(stuck);
         let mut tries = MOST_SHAKEN;
-        for &f in turned {
-            if tries > 0 && self.is_turned(f, positions, &mut near) {
+        while tries > 0
+            && let Some(f) = stuck.pop_front()
+        {
+            if self.is_turned(f, positions, &mut near) {
                 tries -= 1;
-                self.shake(f, positions, &mut near, go_on)?;
+                let moved = self.shake(f, positions, &mut near, go_on)?;
+                let others = self.turned_at(&moved, positions, &mut near);
+                stuck.extend(others.into_iter().filter(|&other| other != f));
             }
         }
         Ok(())
+    }
+
+    /// The faces with corners among some vertices that are turned over, ascending.
+    fn turned_at(&self, vertices: &[u32], positions: &[DVec3], near: &mut Near) -> Vec<u32> {
+        let mut faces = self.faces_of(vertices);
+        faces.retain(|&f| self.is_turned(f, positions, near));
+        faces
     }
 
     fn near(&self) -> Near<'_> {
@@ -166,16 +186,17 @@ impl Unfolding<'_> {
     }
 
     /// Smooths the surroundings of a face and descends from there, wider and wider until the face is turned back; leaves
-    /// them as they were where that is no better.
+    /// them as they were where that is no better. Returns the vertices that may have moved.
     fn shake(
         &self,
         face: u32,
         positions: &mut [DVec3],
         near: &mut Near,
         go_on: &dyn Fn() -> bool,
-    ) -> Result<(), Cancelled> {
+    ) -> Result<Vec<u32>, Cancelled> {
         // No further than the fit is somewhere: so the greatest distance stays.
-        let reach = self.reach().max(self.pulls.max.min(REACHES[1]));
+        let reach = self.reach().max(self.pulls.max.min(SHAKEN));
+        let mut moved = Vec::new();
         for (k, Shake { rings, drag, jolt, smoothings }) in SHAKES.into_iter().enumerate() {
             if near.is_spent() {
                 break;
@@ -206,11 +227,14 @@ impl Unfolding<'_> {
             let badness = self.badness(&faces, positions, near);
             if badness >= least || self.greatest(&faces, positions, near) > allowed {
                 around.iter().zip(&before).for_each(|(&v, &at)| positions[v as usize] = at);
-            } else if !self.is_turned(face, positions, near) {
-                break;
+            } else {
+                moved.extend(around);
+                if !self.is_turned(face, positions, near) {
+                    break;
+                }
             }
         }
-        Ok(())
+        Ok(moved)
     }
 
     /// The vertices at most so many edges from a face, ascending.

@@ -16,6 +16,7 @@ use self::build::Builder;
 use self::wide::{Child, Frame, WideNode, widened};
 use crate::memory::Buffer;
 use glam::DVec3;
+use std::cell::RefCell;
 
 use super::triangle_distance::closest_on_triangle;
 use super::{FaceIndex, TriangleMesh};
@@ -187,6 +188,19 @@ impl ClosestPointCursor<'_> {
         }
         self.slot = Some(best.slot);
         Some(self.tree.answer(&best))
+    }
+
+    /// Shows `visit` every face that is nearer to `point` than so far, in no particular order. Cost: that of looking at all of
+    /// them.
+    pub fn each_within(&mut self, point: [f64; 3], radius: f64, visit: impl FnMut(FaceIndex)) {
+        let query = DVec3::from(point);
+        let visit = RefCell::new(visit);
+        let mut bound = Best { slot: usize::MAX, point: query, squared: radius * radius };
+        // None is taken for the best, so the bound stays.
+        self.descend(query, &mut bound, &|face| {
+            (*visit.borrow_mut())(face);
+            false
+        });
     }
 
     /// The nearest box or triangle first, leaving out those no nearer than the best triangle.

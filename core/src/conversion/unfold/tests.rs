@@ -27,13 +27,24 @@ fn cap(times: u32) -> TriangleMesh {
     mesh
 }
 
-/// Unfolds a coarse mesh some of whose vertices were moved and one may be fixed there; returns their true places, where they are then, and the turned
-/// faces before and after.
+/// Unfolds a coarse mesh some of whose vertices were moved and one may be fixed there; returns their true places, where they are
+/// then, and the turned faces before and after.
 fn unfolded(
+    meshes: [TriangleMesh; 2],
+    moved: impl Fn(DVec3) -> DVec3,
+    fixed: Option<usize>,
+    looks: u64,
+) -> (Vec<DVec3>, Vec<DVec3>, [usize; 2]) {
+    unfolded_from(meshes, moved, fixed, looks, usize::MAX)
+}
+
+/// The same, told of so many of the turned faces.
+fn unfolded_from(
     [input, coarse]: [TriangleMesh; 2],
     moved: impl Fn(DVec3) -> DVec3,
     fixed: Option<usize>,
     looks: u64,
+    told: usize,
 ) -> (Vec<DVec3>, Vec<DVec3>, [usize; 2]) {
     let target = Target::new(&input).expect("faces").sampled(coarse.faces.len());
     let mut fitted = Fitted::new(coarse.positions.len(), &coarse.faces);
@@ -51,7 +62,7 @@ fn unfolded(
     };
     let mut positions: Vec<DVec3> = places.iter().map(|&p| moved(p)).collect();
     let before = turned(&positions);
-    assert!(unfolding.run(&mut positions, &before, &|| true).is_ok());
+    assert!(unfolding.run(&mut positions, &before[..told.min(before.len())], &|| true).is_ok());
     let after = turned(&positions);
     (places, positions, [before.len(), after.len()])
 }
@@ -81,6 +92,14 @@ fn a_knot_of_faces_is_shaken_loose() {
     assert!(off < 0.02, "{off}");
     let far = |place: &DVec3| place.distance(DVec3::Z) > 1.0;
     assert!(places.iter().zip(&result).all(|(place, at)| !far(place) || place == at));
+}
+
+/// A step may turn a face back and another over that was less so: as if it had not been told of that one.
+#[test]
+fn faces_turned_over_on_the_way_are_turned_back_too() {
+    let swap = |p: DVec3| if p.distance(DVec3::Z) < 0.3 { DVec3::new(-p.x, p.y, p.z) } else { p };
+    let (_, _, [before, after]) = unfolded_from([ball(5), ball(4)], swap, None, MOST_LOOKS, 1);
+    assert!(before > 4 && after == 0, "{before} {after}");
 }
 
 /// A corner that stays lies outside all its neighbours: they come round it.

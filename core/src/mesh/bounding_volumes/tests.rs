@@ -78,6 +78,26 @@ fn faces_that_are_not_allowed_are_as_if_left_out() {
 }
 
 #[test]
+fn each_face_within_a_radius_is_shown_once() {
+    let mesh = soup(300, 11);
+    let tree = BoundingVolumes::build(&mesh).unwrap();
+    let mut cursor = tree.cursor();
+    let mut random = SplitMix64::at(13, 0);
+    for _ in 0..300 {
+        let query = random_point(&mut random);
+        let distance = |f: &u32| {
+            closest_on_triangle(query.into(), &mesh.corners(FaceIndex(*f)).map(DVec3::from)).1.sqrt()
+        };
+        let radius = cursor.closest(query).squared_distance.sqrt() * 1.5;
+        let expected: Vec<u32> = (0..mesh.faces.len() as u32).filter(|f| distance(f) < radius).collect();
+        let mut shown = Vec::new();
+        cursor.each_within(query, radius, |f| shown.push(f.0));
+        shown.sort_unstable();
+        assert_eq!(shown, expected);
+    }
+}
+
+#[test]
 fn the_named_face_holds_the_point() {
     let mesh = soup(200, 9);
     let tree = BoundingVolumes::build(&mesh).unwrap();
