@@ -56,6 +56,7 @@ def chunks(data):
 class Header:
     def __init__(self, data, version):
         self.transform, data = (data[0], data[1:]) if version == 3 else (0, data)
+        self.in_lanes, self.transform = self.transform & 8 > 0, self.transform & ~8
         require(self.transform <= 4, "unknown transform")
         self.scheme, self.wavelet, self.levels, self.precision, self.up, count = struct.unpack_from("<6B", data)
         texts, at = [], 6
@@ -80,8 +81,12 @@ class Missing(Exception):
 
 class RangeDecoder:
     def __init__(self, data):
-        self.data, self.at, self.range = data, 4, U32
-        self.code = int.from_bytes(data[:4].ljust(4, b"\0"), "big")
+        self.data = data
+        self.begin(0)
+
+    def begin(self, at):
+        self.at, self.range = at + 4, U32
+        self.code = int.from_bytes(self.data[at:at + 4].ljust(4, b"\0"), "big")
 
     def normalise(self):
         while self.range < 1 << 24:
@@ -113,6 +118,51 @@ class RangeDecoder:
     def check(self):
         if self.at > len(self.data):
             raise Missing
+
+# ---- "Lanes"
+
+U64 = 2**64 - 1
+
+
+def kinds(weights):
+    """A model: where each kind's share begins, and how much it has learnt."""
+    return [[k + sum(weights[:k]) * 32752 // sum(weights) for k in range(16)], 0]
+
+
+class LaneDecoder:
+    def __init__(self, data, at):
+        self.data, self.at = data, at
+        self.begin()
+
+    def word(self):
+        word = int.from_bytes(self.data[self.at:self.at + 4], "little") if self.at + 4 <= len(self.data) else 0
+        self.at += 4
+        return word
+
+    def begin(self):
+        self.states = [self.word() | self.word() << 32 for _ in range(3)]
+
+    def renew(self, lane, state):
+        self.states[lane] = state << 32 | self.word() if state < 1 << 31 else state
+
+    def kind(self, lane, model):
+        (below, seen), state = model, self.states[lane]
+        place = state & 32767
+        kind = max(k for k in range(16) if below[k] <= place)
+        share = (below[kind + 1] if kind < 15 else 32768) - below[kind]
+        self.renew(lane, share * (state >> 15) + place - below[kind] & U64)
+        rate = 2 + sum(seen >= limit for limit in (2, 6, 14, 30, 63))
+        for k in range(16):
+            below[k] += (k if k <= kind else 32752 + k) - below[k] >> rate
+        model[1] = min(seen + 1, 63)
+        return kind
+
+    def raw(self, lane, count):
+        state = self.states[lane]
+        self.renew(lane, state >> count)
+        return state & (1 << count) - 1
+
+    check = RangeDecoder.check
 
 # ---- "Base connectivity"
 
@@ -438,6 +488,11 @@ class Stream:
         self.length_r = [[[[likely(e, i), 1] for i in range(33)] for e in range(40)] for _ in range(2)]
         self.second_r = models(28000, 4, 2, 33)
         self.refined_r = [[[one, 2] for one in (8000, 16000, 26000, 36000, 46000, 50000)] for _ in range(2)]
+        first = [1900, 2700, 3800, 5400, 7600, 10500, 14000, 16000, 13500, 8400, 4200, 1900, 800, 320, 130, 50, 20, 8, 3]
+        likely = lambda e, k: (first + 5 * [1])[min(23, k + 15 - e + 2 * max(0, e // 2 - 7))]
+        self.size_l = [[kinds([likely(e, k) for k in range(16)]) for e in range(40)] for _ in range(2)]
+        self.refined_l = [[[kinds([int(k < 2 << t) for k in range(16)]) for t in range(4)] for _ in range(6)]
+                          for _ in range(2)]
         self.beginning()
         try:
             while self.step():
@@ -573,7 +628,11 @@ class Stream:
         residuals = self.residuals[j] = dict.fromkeys(known, (0, 0, 0))
         self.planes[j], self.above[j] = [0, 0], [dict.fromkeys(known, plane) for plane in planes]
         sizes = lambda parts: (abs(parts[0]), abs(parts[1]) + abs(parts[2]))
-        for i, parts in known.items():
+        in_lanes = self.head.in_lanes and len(known) >= 4096
+        coder = LaneDecoder(self.coder.data, self.coder.at) if in_lanes else self.coder
+        for number, (i, parts) in enumerate(known.items()):
+            if in_lanes and number and number % 16384 == 0:
+                coder.begin()
             near = [residuals[x] for x in self.near[j][i]]
             above = [before[x] for x in self.parents[j][i] if x in before] if before else []
             new, off = list(parts), [0, 0, 0]
@@ -583,12 +642,35 @@ class Stream:
                 own = (0, abs(off[0]), (abs(off[0]) >> 1) + abs(off[1]))[c]
                 expected = 4 * sums[0] + sums[1] + (4 if k else 2) * sums[2] + 4 * own >> k
                 at = wrap(predicted[i][c] + (5 * sum(parts[c] for parts in near) >> 4))
-                if planes[k]:
+                if planes[k] and in_lanes:
+                    new[c] = self.corrected_in_lane(coder, c, planes[k], expected, at, new[c])
+                elif planes[k]:
                     new[c] = self.corrected(k, planes[k], expected, at, new[c])
                 off[c] = wrap(new[c] - at)
-            self.coder.check()
+            coder.check()
             known[i], residuals[i] = new, off
             del self.above[j][0][i], self.above[j][1][i]
+        if in_lanes:
+            self.coder.begin(coder.at)
+
+    def corrected_in_lane(self, coder, lane, plane, expected, at, x):
+        k, bits = min(lane, 1), expected.bit_length()
+        if x:
+            place = max(-1, min(4, 4 * ((-at if x < 0 else at) - abs(x)) >> plane))
+            top = min(plane, 4)
+            low = coder.kind(lane, self.refined_l[k][place + 1][top - 1]) % (1 << top) << (plane - top)
+            low |= coder.raw(lane, plane - top)
+            return x + low if x > 0 else x - low
+        context = expected if bits < 2 else min(39, 2 * bits - 2 + (expected >> (bits - 2) & 1))
+        at, shift = max(1 - (1 << plane), min((1 << plane) - 1, at)), max(0, context // 2 - 7)
+        kind = coder.kind(lane, self.size_l[k][context])
+        of = kind if kind < 15 else min(63, 15 + coder.raw(lane, 6))
+        least, below = (of, 0) if of < 2 else ((2 | of & 1) << (of // 2 - 1), of // 2 - 1)
+        count = below + shift + 1 if of or shift else 0
+        tail = coder.raw(lane, min(31, count))
+        tail |= coder.raw(lane, max(0, count - 31)) << 31
+        size = wrap((least << shift) + (tail >> 1))
+        return wrap(at - size if tail & 1 else at + size)
 
     def corrected(self, k, plane, expected, at, x):
         coder, bits = self.coder, expected.bit_length()

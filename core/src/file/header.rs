@@ -1,6 +1,6 @@
 //! The header as bytes, little-endian throughout.
 
-use super::progressive::Coding;
+use super::progressive::Telling;
 use crate::hierarchy::{FINEST_LEVEL, MOST_VERTICES};
 use crate::surface::{CHANNELS, Form, PRECISIONS, Placement, Surface, SurfaceHash, UpAxis};
 use crate::wavelet::{Scheme, Wavelet};
@@ -11,7 +11,7 @@ const MOST_FACES: u32 = 4 * MOST_VERTICES;
 /// What the `HEAD` chunk says.
 pub(super) struct Header {
     pub(super) form: Form,
-    pub(super) coding: Coding,
+    pub(super) telling: Telling,
     pub(super) levels: u8,
     pub(super) vertices: u32,
     pub(super) faces: u32,
@@ -22,10 +22,10 @@ pub(super) struct Header {
 const NAMES_CODING: u16 = 3;
 
 /// The `HEAD` payload of a surface.
-pub(super) fn encode(surface: &Surface, coding: Coding) -> Vec<u8> {
+pub(super) fn encode(surface: &Surface, telling: Telling) -> Vec<u8> {
     let form = surface.form();
     let base = surface.hierarchy().base();
-    let mut bytes = vec![coding.code(), form.scheme.code(), form.wavelet.code()];
+    let mut bytes = vec![telling.code(), form.scheme.code(), form.wavelet.code()];
     bytes.extend([surface.finest().0, form.precision]);
     bytes.extend([form.placement.up.code(), CHANNELS.len() as u8]);
     for text in CHANNELS.iter().copied().chain([form.placement.unit.as_str()]) {
@@ -53,9 +53,9 @@ impl Header {
     /// Reads a `HEAD` payload of a version, or says what is wrong with it.
     pub(super) fn decode(bytes: &[u8], version: u16) -> Result<Self, String> {
         let mut fields = Fields(bytes);
-        let [coding] = if version < NAMES_CODING { [Coding::Own.code()] } else { fields.take()? };
-        let coding = Coding::from_code(coding)
-            .ok_or_else(|| format!("transform {coding} of the coefficients is not known"))?;
+        let [telling] = if version < NAMES_CODING { [0] } else { fields.take()? };
+        let telling = Telling::from_code(telling)
+            .ok_or_else(|| format!("transform {telling} of the coefficients is not known"))?;
         let [scheme, wavelet, levels, precision, up, channels] = fields.take()?;
         let scheme = Scheme::from_code(scheme).ok_or_else(|| format!("scheme {scheme} is not known"))?;
         let wavelet = Wavelet::from_code(wavelet).ok_or_else(|| format!("wavelet {wavelet} is not known"))?;
@@ -90,7 +90,7 @@ impl Header {
             return Err("the header is longer than this version's".into());
         }
         let form = Form { scheme, wavelet, precision, placement };
-        Ok(Self { form, coding, levels, vertices, faces, hash })
+        Ok(Self { form, telling, levels, vertices, faces, hash })
     }
 }
 

@@ -132,8 +132,9 @@ fn cut_to(model: &Model, stream: &Encoded, length: usize) -> (Vec<u8>, Model) {
     let bytes = stream.bytes[..length].to_vec();
     let hierarchy = surface.hierarchy().as_ref().clone();
     let filters = Filters::new(&hierarchy, surface.form().wavelet).expect("they were solved before");
-    let others = stream.coding.filters(&hierarchy, surface.form().wavelet).expect("they were solved before");
-    let decoded = decode_stream(&hierarchy, others.as_ref().unwrap_or(&filters), stream.coding, &bytes)
+    let others =
+        stream.telling.coding.filters(&hierarchy, surface.form().wavelet).expect("they were solved before");
+    let decoded = decode_stream(&hierarchy, others.as_ref().unwrap_or(&filters), stream.telling, &bytes)
         .expect("the base positions are there");
     let held = surface_of(hierarchy, filters, surface.form().clone(), decoded).expect("a surface holds it");
     let mut borders: Vec<Border> = stream.borders.iter().copied().filter(|b| b.position < length).collect();
@@ -141,7 +142,7 @@ fn cut_to(model: &Model, stream: &Encoded, length: usize) -> (Vec<u8>, Model) {
     let mut smaller = Model::new(held, None, Metadata::default());
     smaller.unknown.clone_from(&model.unknown);
     let parts = if length == stream.bytes.len() { Parts::Many } else { Parts::Few };
-    (encode_parts(&smaller, &Encoded { coding: stream.coding, bytes, borders }, parts), smaller)
+    (encode_parts(&smaller, &Encoded { telling: stream.telling, bytes, borders }, parts), smaller)
 }
 
 fn psnr(mesh: &TriangleMesh, surface: &Surface) -> f64 {

@@ -129,7 +129,7 @@ pub(super) fn encode_parts(model: &Model, stream: &Encoded, parts: Parts) -> Vec
     let surface = &model.surface;
     let base = surface.hierarchy().base();
     let mut chunks = vec![
-        Chunk::stored(HEAD, true, header::encode(surface, stream.coding)),
+        Chunk::stored(HEAD, true, header::encode(surface, stream.telling)),
         Chunk::stored(BASE, true, encode_base(base.vertex_count(), base.faces(), &base.sharp_edges())),
     ];
     chunks.extend(wave_chunks(stream, parts));
@@ -230,11 +230,12 @@ impl Reader<'_> {
             .map_err(|e| self.error(base_at, e.to_string(), "import the model again"))?;
         let (stream, complete, curve) = self.stream(head.form.placement.step)?;
         let others = head
+            .telling
             .coding
             .filters(&hierarchy, head.form.wavelet)
             .map_err(|e| self.error(head_at, e.to_string(), RESTORE))?;
         let weights = others.as_ref().unwrap_or(&filters);
-        let Some(decoded) = decode_stream(&hierarchy, weights, head.coding, &stream) else {
+        let Some(decoded) = decode_stream(&hierarchy, weights, head.telling, &stream) else {
             return Err(self.error(
                 self.at,
                 "the file ends before its base mesh does",

@@ -5,6 +5,7 @@ mod butterfly;
 mod connectivity;
 mod finish;
 mod frames;
+mod lanes;
 mod planes;
 mod range_coder;
 mod straightened;
@@ -14,5 +15,5 @@ mod visit;
 
 pub(super) use connectivity::{decode_base, encode_base};
 pub(super) use straightened::Straightened;
-pub(super) use stream::{Border, Decoded, Encoded, Granularity, Held, decode_stream, encode_stream};
+pub(super) use stream::{Border, Decoded, Encoded, Granularity, Held, Telling, decode_stream, encode_stream};
 pub(super) use transform::Coding;

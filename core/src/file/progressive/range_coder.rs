@@ -5,6 +5,8 @@
 //!
 //! Encoder and decoder are two [`Coder`]s, so that what is coded is written down once and runs both ways.
 
+use super::lanes::{Lanes, Reader, Writer};
+
 /// Below this the range is widened by a byte.
 const LEAST_RANGE: u32 = 1 << 24;
 /// Bytes that a decoder has read ahead of the bit it decodes.
@@ -77,6 +79,12 @@ pub(super) trait Coder: Send {
     /// Codes several symbols one after another. A decoder does so on a copy of its own, which stays in registers: what is stored
     /// meanwhile could else be part of it, and each bit waits for the one before.
     fn together<T>(&mut self, code: impl FnOnce(&mut Self) -> T) -> T;
+
+    /// What codes in lanes meanwhile.
+    type Lanes: Lanes;
+
+    /// Stops, codes something in lanes, and begins anew after it.
+    fn in_lanes<T>(&mut self, code: impl FnOnce(&mut Self::Lanes) -> T) -> T;
 
     /// Any number of bits up to 32 without a model.
     #[inline(always)]
@@ -194,6 +202,17 @@ impl Coder for Encoder {
         false
     }
 
+    type Lanes = Writer;
+
+    fn in_lanes<T>(&mut self, code: impl FnOnce(&mut Writer) -> T) -> T {
+        let mut lanes = Writer::default();
+        let result = code(&mut lanes);
+        let mut bytes = std::mem::take(self).finish();
+        bytes.extend(lanes.finish());
+        self.bytes = bytes;
+        result
+    }
+
     #[inline(always)]
     fn together<T>(&mut self, code: impl FnOnce(&mut Self) -> T) -> T {
         code(self)
@@ -216,7 +235,11 @@ pub(super) struct Decoder<'a> {
 impl<'a> Decoder<'a> {
     /// Begins to read.
     pub(super) fn new(bytes: &'a [u8]) -> Self {
-        let mut decoder = Self { bytes, at: 0, window: 0, beyond: 0, range: u32::MAX };
+        Self::at(bytes, 0)
+    }
+
+    fn at(bytes: &'a [u8], at: usize) -> Self {
+        let mut decoder = Self { bytes, at, window: 0, beyond: 0, range: u32::MAX };
         for byte in 0..2 * AHEAD as u32 {
             decoder.window |= decoder.next() << (56 - 8 * byte);
         }
@@ -253,7 +276,7 @@ impl<'a> Decoder<'a> {
     }
 }
 
-impl Coder for Decoder<'_> {
+impl<'a> Coder for Decoder<'a> {
     const WRITES: bool = false;
 
     #[inline(always)]
@@ -303,6 +326,15 @@ impl Coder for Decoder<'_> {
     #[inline(always)]
     fn is_exhausted(&self) -> bool {
         self.position() > self.bytes.len()
+    }
+
+    type Lanes = Reader<'a>;
+
+    fn in_lanes<T>(&mut self, code: impl FnOnce(&mut Reader<'a>) -> T) -> T {
+        let mut lanes = Reader::new(self.bytes, self.position());
+        let result = code(&mut lanes);
+        *self = Self::at(self.bytes, lanes.position());
+        result
     }
 
     #[inline(always)]

@@ -8,6 +8,7 @@ mod borders;
 mod choice;
 mod details;
 mod errors;
+mod telling;
 
 use self::base::Known;
 pub(in crate::file) use self::borders::{Border, Encoded};
@@ -16,8 +17,9 @@ pub(in crate::file) use self::choice::Granularity;
 use self::choice::{Choice, coarsest, last_plane};
 use self::details::{Below, Details};
 use self::errors::Ruler;
+pub(in crate::file) use self::telling::Telling;
 use super::butterfly::{Curves, bends};
-use super::finish::{self, finish};
+use super::finish::{Finishing, Parts};
 use super::frames::frames;
 use super::planes::{Block, CLASSES, Level as Planes, Models, code};
 use super::range_coder::{Coder, Decoder, Encoder, Model};
@@ -47,7 +49,8 @@ struct State<'a> {
     base_cut: Option<(usize, u32)>,
     levels: Vec<Details>,
     models: Models,
-    finishing: finish::Models,
+    telling: Telling,
+    finishing: Finishing,
     order: OrderModels,
     /// The positions of a level, as long as nothing coarser has changed.
     synthesised: Option<(usize, Buffer<Vector>)>,
@@ -185,7 +188,7 @@ impl State<'_> {
     fn on_level<T: Send>(
         &mut self,
         j: usize,
-        work: impl FnOnce(&mut Models, &mut finish::Models, &mut Details, &[Details]) -> T + Send,
+        work: impl FnOnce(&mut Models, &mut Finishing, &mut Details, &[Details]) -> T + Send,
     ) -> T {
         let (below, rest) = self.levels.split_at_mut(j);
         let (levels, details) = (&*below, &mut rest[0]);
@@ -251,13 +254,14 @@ impl State<'_> {
         if after == After::Nothing {
             self.synthesised = None;
         }
+        let in_lanes = self.telling.finishes_in_lanes(self.hierarchy, Level(j as u8));
         let done = self.on_level(j, |_, models, details, below| {
             match after {
                 After::Nothing => details.frames = Buffer::default(),
                 After::More => details.hold_all(fine),
             }
             details.residuals = Buffer::zeroed(fine.len() as usize);
-            let mut parts = finish::Parts {
+            let mut parts = Parts {
                 coarse,
                 fine,
                 known: &mut details.known,
@@ -267,7 +271,7 @@ impl State<'_> {
                 truth,
                 from: details.planes,
             };
-            let stopped = finish(coder, models, &mut parts).err();
+            let stopped = models.code(coder, in_lanes, &mut parts).err();
             details.cut = stopped.map(|first| (first, details.planes));
             details.planes = [0; 2];
             stopped.is_none()
@@ -375,10 +379,10 @@ pub(in crate::file) fn encode_stream(surface: &Surface, granularity: Granularity
     let (hierarchy, finest) = (surface.hierarchy(), surface.finest());
     let Coded { coding, filters, base, details: local } = Coded::best(surface);
     let filters = filters.as_ref().unwrap_or_else(|| surface.filters());
-    let transform = Transform { coding, hierarchy, filters };
+    let telling = Telling::of(coding, hierarchy);
     let mut truth = Truth { base, local };
     let last_plane = last_plane(truth.local.last().map(|details| &details[..]));
-    let mut state = State::new(transform);
+    let mut state = State::new(hierarchy, filters, telling);
     state.base_plane =
         if finest == Level::BASE { 0 } else { u32::from(surface.form().precision).saturating_sub(6) };
     let mut encoder = Encoder::default();
@@ -414,7 +418,7 @@ pub(in crate::file) fn encode_stream(surface: &Surface, granularity: Granularity
         borders.push((position, far.then(|| ruler.measure(&state))));
     }
     borders.last_mut().expect("the first at least").1 = Some(0.0);
-    Encoded { coding, bytes: encoder.finish(), borders: filled(&borders) }
+    Encoded { telling, bytes: encoder.finish(), borders: filled(&borders) }
 }
 
 /// What a stream, or the part of it that is there, holds.
@@ -439,10 +443,10 @@ pub(in crate::file) enum Held {
 pub(in crate::file) fn decode_stream(
     hierarchy: &Hierarchy,
     filters: &Filters,
-    coding: Coding,
+    telling: Telling,
     bytes: &[u8],
 ) -> Option<Decoded> {
-    let mut state = State::new(Transform { coding, hierarchy, filters });
+    let mut state = State::new(hierarchy, filters, telling);
     let (mut decoder, mut truth) = (Decoder::new(bytes), Truth::default());
     if !state.beginning(&mut decoder, &truth) {
         return None;
@@ -458,7 +462,7 @@ pub(in crate::file) fn decode_stream(
     };
     // Read no more, and as large as the positions.
     state.levels.iter_mut().for_each(|details| details.residuals = Buffer::default());
-    let held = match coding {
+    let held = match telling.coding {
         Coding::Own => Held::Coefficients(
             state.below(0).positions(),
             (0..).zip(&state.levels).map(|(j, d)| d.coefficients(hierarchy, Level(j))).collect(),
@@ -470,8 +474,8 @@ pub(in crate::file) fn decode_stream(
 }
 
 impl<'a> State<'a> {
-    fn new(transform: Transform<'a>) -> Self {
-        let hierarchy = transform.hierarchy;
+    fn new(hierarchy: &'a Hierarchy, filters: &'a Filters, telling: Telling) -> Self {
+        let transform = Transform { coding: telling.coding, hierarchy, filters };
         Self {
             hierarchy,
             transform,
@@ -480,7 +484,8 @@ impl<'a> State<'a> {
             base_cut: None,
             levels: (0..hierarchy.finest().0).map(|_| Details::default()).collect(),
             models: Models::default(),
-            finishing: finish::Models::default(),
+            telling,
+            finishing: Finishing::default(),
             synthesised: None,
             frameless: None,
             order: OrderModels::default(),

@@ -1,6 +1,6 @@
 //! Places where a stream can be cut, and how far what is read there is from the whole.
 
-use super::Coding;
+use super::Telling;
 
 /// A place where a stream can be cut at no loss.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,7 +13,7 @@ pub(in crate::file) struct Border {
 
 /// A stream and its borders, the last its end.
 pub(in crate::file) struct Encoded {
-    pub(in crate::file) coding: Coding,
+    pub(in crate::file) telling: Telling,
     pub(in crate::file) bytes: Vec<u8>,
     pub(in crate::file) borders: Vec<Border>,
 }
