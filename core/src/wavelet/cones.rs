@@ -264,11 +264,32 @@ pub(super) struct OnCoarsest<'a> {
     /// By valence.
     cones: FxHashMap<usize, CoarseCone>,
     /// Those of all apexes, twice round.
-    sectors: Vec<Sector>,
+    sectors: Vec<LaidSector>,
     /// By base vertex where its sectors begin; none where it is no apex.
     starts: Vec<Option<u32>>,
     /// By base face and corner its place in the fan of that corner.
     places: Vec<[u32; 3]>,
+}
+
+/// A sector's slots.
+struct LaidSector {
+    /// Where those inside its face begin.
+    inside: u32,
+    corner: u8,
+    /// Along its first spoke: so much, and for each edge from the apex on so much more, modulo 2^32.
+    spoke: [u32; 2],
+}
+
+impl LaidSector {
+    fn new(layout: &Layout, sector: Sector) -> Self {
+        let before = layout.slot(Site::Edge { edge: sector.edge, t: 1 }).0.wrapping_sub(1);
+        let spoke = if sector.from_low {
+            [before, 1]
+        } else {
+            [before.wrapping_add(layout.segments()), 1u32.wrapping_neg()]
+        };
+        Self { inside: layout.row(sector.face, 1).0, corner: sector.corner, spoke }
+    }
 }
 
 /// What each odd vertex of sector 0 updates.
@@ -307,7 +328,7 @@ impl<'a> OnCoarsest<'a> {
             }
             let start = sectors.len() as u32;
             is_apex(base, vertex).then(|| {
-                sectors.extend(Sector::all(base, vertex));
+                sectors.extend(Sector::all(base, vertex).map(|sector| LaidSector::new(layout, sector)));
                 start
             })
         });
@@ -319,13 +340,33 @@ impl<'a> OnCoarsest<'a> {
     /// Calls back for each vertex that an odd one updates, by slot, if the nearest base vertex is an apex; whether it is.
     #[inline]
     pub(super) fn updated(&self, odd: Odd, mut found: impl FnMut(u32, i32)) -> bool {
+        let Some(Told { apex, sectors, taps }) = self.told(odd) else { return false };
+        for seen in taps {
+            let there = &sectors[seen.sector as usize];
+            let slot = match seen.spoke {
+                0 => apex,
+                OFF => there.inside + seen.inside[usize::from(there.corner)],
+                t => there.spoke[0].wrapping_add(t.wrapping_mul(there.spoke[1])),
+            };
+            found(slot, seen.weight);
+        }
+        true
+    }
+
+    /// Whether it is told of an odd vertex.
+    pub(super) fn tells(&self, odd: Odd) -> bool {
+        self.told(odd).is_some()
+    }
+
+    #[inline]
+    fn told(&self, odd: Odd) -> Option<Told<'_>> {
         let Self { layout, .. } = self;
         let (face, b) = self.finer.chart(layout.odd_site(odd));
         let (corner, distance) = nearest(b);
-        let vertex = layout.base().faces()[face as usize][corner];
-        let Some(start) = self.starts[vertex as usize].filter(|_| distance <= NEAREST) else { return false };
-        let valence = layout.base().fan(vertex).corners.len();
-        let Some(cone) = self.cones.get(&valence) else { return false };
+        let apex = layout.base().faces()[face as usize][corner];
+        let start = self.starts[apex as usize].filter(|_| distance <= NEAREST)?;
+        let valence = layout.base().fan(apex).corners.len();
+        let cone = self.cones.get(&valence)?;
         let at = self.places[face as usize][corner] as usize;
         // No sector holds its second spoke.
         let (sector, [first, second]) = match [b[(corner + 1) % 3], b[(corner + 2) % 3]] {
@@ -333,19 +374,15 @@ impl<'a> OnCoarsest<'a> {
             along => (at, along),
         };
         let (from, to) = cone.starts[first as usize][second as usize];
-        let sectors = &self.sectors[start as usize + sector..];
-        for seen in &cone.taps[from as usize..to as usize] {
-            let there = sectors[seen.sector as usize];
-            let slot = match seen.spoke {
-                0 => vertex,
-                OFF => layout.row(there.face, 1).0 + seen.inside[usize::from(there.corner)],
-                t => {
-                    let t = if there.from_low { t } else { layout.segments() - t };
-                    layout.slot(Site::Edge { edge: there.edge, t }).0
-                }
-            };
-            found(slot, seen.weight);
-        }
-        from < to
+        let taps = &cone.taps[from as usize..to as usize];
+        (from < to).then(|| Told { apex, sectors: &self.sectors[start as usize + sector..], taps })
     }
+}
+
+/// What a cone tells of an odd vertex.
+struct Told<'a> {
+    apex: u32,
+    /// From the odd vertex's own on.
+    sectors: &'a [LaidSector],
+    taps: &'a [Seen],
 }

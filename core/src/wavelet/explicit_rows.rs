@@ -60,7 +60,7 @@ impl ExplicitRows {
                 collected(&odds, layout.len(), cones.as_ref(), |run, scratch, found, ends| {
                     let mut discs = known.coarse.run();
                     for &odd in run {
-                        if !cones.as_ref().is_some_and(|cones| cones.updated(odd, |_, _| {})) {
+                        if !cones.as_ref().is_some_and(|cones| cones.tells(odd)) {
                             let rings = rings.as_ref().expect("no cone for want of an apex alone");
                             discs.updated(&known.solver, (layout, rings), (odd, k), scratch, found);
                         }
