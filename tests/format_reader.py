@@ -121,9 +121,6 @@ class RangeDecoder:
 
 # ---- "Lanes"
 
-U64 = 2**64 - 1
-
-
 def kinds(weights):
     """A model: where each kind's share begins, and how much it has learnt."""
     return [[k + sum(weights[:k]) * 32752 // sum(weights) for k in range(16)], 0]
@@ -668,7 +665,8 @@ class Stream:
         least, below = (of, 0) if of < 2 else ((2 | of & 1) << (of // 2 - 1), of // 2 - 1)
         count = below + shift + 1 if of or shift else 0
         tail = coder.raw(lane, min(31, count))
-        tail |= coder.raw(lane, max(0, count - 31)) << 31
+        if kind == 15:
+            tail |= coder.raw(lane, max(0, count - 31)) << 31
         size = wrap((least << shift) + (tail >> 1))
         return wrap(at - size if tail & 1 else at + size)
 

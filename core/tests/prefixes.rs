@@ -91,7 +91,10 @@ fn larger() -> Vec<(&'static str, Surface)> {
 }
 
 fn random_cuts(cuts: usize) {
-    for (seed, (name, surface)) in larger().into_iter().enumerate() {
+    // Its finest level is finished in lanes.
+    let in_lanes =
+        ("large ball", Surface::ball(6, |[x, y, _]| 1.0 + 0.1 * (9.0 * x).sin() * (7.0 * y).cos()));
+    for (seed, (name, surface)) in larger().into_iter().chain([in_lanes]).enumerate() {
         let whole = Model::new(surface, None, Metadata::default());
         let bytes = encode(&whole);
         let mut numbers = Numbers(seed as u64);

@@ -45,6 +45,6 @@ fn the_python_reader_agrees() {
     for (name, base) in [("octahedron", shapes::octahedron()), ("open disc", shapes::disc(5))] {
         Wavelet::ALL.into_iter().for_each(|wavelet| agrees(name, &base, 2, wavelet));
     }
-    // Large levels are finished in lanes.
-    agrees("large disc", &shapes::disc(5), 6, Wavelet::Lazy);
+    // Large levels are finished in lanes, this one in two runs.
+    agrees("large disc", &shapes::disc(5), 7, Wavelet::Lazy);
 }

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const SAMPLES_PER_FACE: f64 = 2.0;
 
 /// Faces of the input this much further from a point than the closest are as close: where they meet, which of them a search
-/// finds is chance, and a surface is saved in steps of up to half as much. In the unit box.
+/// finds is chance, and a surface of 24 bits is saved in steps of up to half as much. In the unit box.
 const AS_CLOSE: f64 = 6e-8;
 /// A triangle counts as turned over up to this cosine: coordinates in a file are rounded, and thin triangles with them.
 pub(super) const TURNED: f64 = 0.02;

@@ -4,8 +4,9 @@
 //! faces at it are turned least, as long as they stay near the input. What more is asked of a fit (even distances,
 //! even spacing) was done before; a handful of faces is left, seldom hundreds.
 //!
-//! Guarantees: no step turns more faces over; vertices slide along the sharp edge or the boundary they lie on; far from
-//! turned faces all stay; the same input gives the same result; so much work is done at most, on whatever input.
+//! Guarantees: no step leaves the faces that it changes worse together; vertices slide along the sharp edge or the boundary
+//! they lie on; far from turned faces all stay; the same input gives the same result; so much work is done at most, on
+//! whatever input.
 
 use super::fitted::Fitted;
 use super::mend::twice_area_over_longest;

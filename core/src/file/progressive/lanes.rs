@@ -138,7 +138,12 @@ pub(super) struct Writer {
 }
 
 impl Writer {
-    /// All runs, one after another.
+    /// Writes behind what has been written before.
+    pub(super) fn after(bytes: Vec<u8>) -> Self {
+        Self { bytes, ..Self::default() }
+    }
+
+    /// What was written before, and all runs, one after another.
     pub(super) fn finish(mut self) -> Vec<u8> {
         self.next_run();
         self.bytes
@@ -337,15 +342,12 @@ mod tests {
         /// What was written is read; of a cut row of runs what lies before the cut, and no more.
         #[test]
         fn what_is_written_is_read(mut symbols in symbols(), cut in 0.0f64..=1.0) {
-            symbols.dedup();
-            let held = symbols.iter().position(|&symbol| symbol != Symbol::Run).unwrap_or(symbols.len());
-            symbols.drain(..held);
-            while symbols.last() == Some(&Symbol::Run) {
-                symbols.pop();
-            }
-            // A run of nothing but empty raws is none.
+            // A writer begins no run in which there is nothing.
             symbols.retain(|symbol| !matches!(symbol, Symbol::Raw(_, 0, _)));
             symbols.dedup_by(|a, b| *a == Symbol::Run && a == b);
+            let held = symbols.iter().position(|&symbol| symbol != Symbol::Run).unwrap_or(symbols.len());
+            symbols.drain(..held);
+            symbols.pop_if(|symbol| *symbol == Symbol::Run);
             let bytes = written(&symbols);
             let cut = (cut * bytes.len() as f64).round() as usize;
             let mut ends = Vec::new();

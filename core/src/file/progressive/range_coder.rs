@@ -115,12 +115,17 @@ impl Default for Encoder {
 impl Encoder {
     /// How many bytes a decoder needs to read all that has been written.
     pub(super) fn position(&self) -> usize {
-        self.bytes.len() + AHEAD
+        self.bytes.len() + self.held()
+    }
+
+    /// How many bytes are still in `low`: none behind lanes, where nothing has been written yet.
+    fn held(&self) -> usize {
+        if self.range == u32::MAX && !self.bytes.is_empty() { 0 } else { AHEAD }
     }
 
     /// The whole stream.
     pub(super) fn finish(mut self) -> Vec<u8> {
-        for _ in 0..AHEAD {
+        for _ in 0..self.held() {
             self.shift();
         }
         self.bytes
@@ -205,11 +210,9 @@ impl Coder for Encoder {
     type Lanes = Writer;
 
     fn in_lanes<T>(&mut self, code: impl FnOnce(&mut Writer) -> T) -> T {
-        let mut lanes = Writer::default();
+        let mut lanes = Writer::after(std::mem::take(self).finish());
         let result = code(&mut lanes);
-        let mut bytes = std::mem::take(self).finish();
-        bytes.extend(lanes.finish());
-        self.bytes = bytes;
+        self.bytes = lanes.finish();
         result
     }
 
