@@ -132,9 +132,7 @@ impl Parts<'_> {
         }
         Beside { predicted, around, expected }
     }
-}
 
-impl Parts<'_> {
     #[inline(always)]
     fn tell(&mut self, place: &Place, value: Vector, residual: Vector) {
         if let Some(known) = self.known.get_mut(place.slot as usize) {
